@@ -95,7 +95,7 @@ def _passing(old: State, new: State, spot: FieldRef, used: Uses) -> Iterator[Cha
 
 def _trees(old: State, new: State, spot: FieldRef) -> Iterator[Change]:
     before, after = old.nodes(), new.nodes()
-    for path in [*after, *(path for path in before if path not in after)]:
+    for path in dict.fromkeys((*after, *before)):
         steps = path.split("/") if path else []
         here = spot.inside("tree")._replace(whose=f"{spot.whose}: tree node '{path or 'the root'}'")
         here = here._replace(old="/".join((here.old, *steps)), new="/".join((here.new, *steps)))
@@ -120,7 +120,7 @@ def _twig(old: TreeNode, new: TreeNode, spot: FieldRef) -> Iterator[Change]:
 def _named(
     whole: FieldRef, sort: str, before: Mapping[str, MissionModel], after: Mapping[str, MissionModel], word: str
 ) -> Iterator[Change]:
-    for name in [*after, *(name for name in before if name not in after)]:
+    for name in dict.fromkeys((*after, *before)):
         spot = whole.inside(word, name, whose=f"{sort} '{name}'")
         if name not in before:
             yield spot.came("rest", "added", "other")
@@ -131,7 +131,7 @@ def _named(
 
 
 def _invariants(old: Mission, new: Mission, whole: FieldRef) -> Iterator[Change]:
-    for name in [*new.invariants, *(name for name in old.invariants if name not in new.invariants)]:
+    for name in dict.fromkeys((*new.invariants, *old.invariants)):
         spot = whole.inside("invariants", name, whose=f"invariant '{name}'")
         if name not in old.invariants:
             yield spot.came("rest", "added", "other", after=new.invariants[name].words())

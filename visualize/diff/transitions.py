@@ -47,13 +47,8 @@ def transition_changes(transitions: ComparedTransitions) -> Iterator[Change]:
     kept = [(before, after) for before, after in pairs if before is not None and after is not None]
     for before, after in pairs:
         if before is None and after is not None:
-            yield _added(
-                transitions,
-                after,
-                shadows=any(
-                    _meet(transitions.new[after], transition) for transition in _later(transitions, after, kept)
-                ),
-            )
+            later = _later(transitions, after, kept)
+            yield _added(transitions, after, shadows=any(_meet(transitions.new[after], each) for each in later))
         elif after is None and before is not None:
             yield _removed(transitions, before)
         elif before is not None and after is not None and transitions.old[before] != transitions.new[after]:
