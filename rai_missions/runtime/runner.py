@@ -108,7 +108,7 @@ class Runner(RunCommands):
         for each in (answerers or {}).values():
             if isinstance(each, ReadsRun):
                 each.read_from(self.view)
-        self._puzzled: set[str] = set()
+        self._failed_observers: set[str] = set()
         self._about = robot.about if robot is not None else ""
         self._observer = observer
         self._notes: deque[tuple[str, Any]] = deque()
@@ -420,8 +420,8 @@ class Runner(RunCommands):
         try:
             observer(what)
         except Exception:
-            if name not in self._puzzled:
-                self._puzzled.add(name)
+            if name not in self._failed_observers:
+                self._failed_observers.add(name)
                 log.exception("%s raised; the run continues", name)
 
     # -- the journal ----------------------------------------------------------------------------------------------

@@ -17,22 +17,16 @@ T = TypeVar("T")
 
 
 class Latest(Generic[T]):
-    """Holds the newest of what was put in.
+    """Holds the newest of what was put in."""
 
-    Args:
-        is_newer: Whether the first of two takes the place of the second; left out, what comes later does.
-    """
-
-    def __init__(self, is_newer: Callable[[T, T], bool] | None = None) -> None:
-        self._is_newer = is_newer
+    def __init__(self) -> None:
         self._changed = threading.Condition()
         self._is_closed = False
         self.value: T | None = None
 
     def put(self, value: T) -> None:
         with self._changed:
-            if self.value is None or self._is_newer is None or self._is_newer(value, self.value):
-                self.value = value
+            self.value = value
             self._changed.notify_all()
 
     def close(self) -> None:

@@ -27,7 +27,8 @@ __all__ = ("SpeechProcess", "SpeechReply")
 log = logger(__name__)
 
 WORK = "rai_missions.voice.worker:work"
-GIB = 2**30
+MOST_BYTES = 3 * 2**29
+"""How much memory it may be resident in: 1.5 GiB."""
 START_S = 60.0
 """How long it may take to be opened."""
 YOUNG_S = 5.0
@@ -62,17 +63,15 @@ class SpeechProcess:
         name: As the registry has it, or an entry point of another package.
         options: How it is opened.
         within_s: How long a reply may take; after that the process is ended and another is started.
-        memory_gib: How much memory it may be resident in.
         on_fault: Called with a sentence each time the process ended, hung or could not be opened; None: it is logged.
     """
 
     def __init__(
         self, sort: SpeechSort, name: str, options: Mapping[str, Any] | None = None, *, within_s: float = 5.0,
-        memory_gib: float = 1.5, on_fault: Callable[[str], object] | None = None,
+        on_fault: Callable[[str], object] | None = None,
     ) -> None:  # fmt: skip
         self.sort, self.name = sort, name
-        self._options, self._within_s, self._bytes = dict(options or {}), within_s, int(memory_gib * GIB)
-        self._on_fault = on_fault
+        self._options, self._within_s, self._on_fault = dict(options or {}), within_s, on_fault
         self._lock = threading.RLock()
         self._life: ProcessLife | None = None
         self._is_ready, self._replied, self._is_open = threading.Event(), False, False
@@ -162,7 +161,7 @@ class SpeechProcess:
             "path": [os.path.abspath(entry) for entry in sys.path],
         }
         life = ProcessLife(
-            self.sort, WORK, first, self._bytes,
+            self.sort, WORK, first, MOST_BYTES,
             on_message=lambda message: self._take(life, message), on_end=lambda: self._ended(life),
         )  # fmt: skip
         self._life = life

@@ -49,15 +49,15 @@ class LivePage:
 
     Args:
         place: Where.
-        token: What everybody must show who orders anything; made up by default. Viewers have one of their own.
 
     Raises:
         UsageError: Nothing can be served there, or only unprotected.
     """
 
-    def __init__(self, place: PageAddress | None = None, *, token: str = "") -> None:
+    def __init__(self, place: PageAddress | None = None) -> None:
         self.place = place or PageAddress()
-        self.token, self.viewer_token = token or secrets.token_urlsafe(32), secrets.token_urlsafe(32)
+        self.token, self.viewer_token = secrets.token_urlsafe(32), secrets.token_urlsafe(32)
+        """What everybody must show who orders anything, and what viewers must show."""
         self._tls = bool(self.place.certificate or self.place.key)
         _check(self.place)
         self._config_tls = _context(self.place) if self._tls else None

@@ -32,6 +32,8 @@ TOY = "SmolLM2-135M-Instruct, a toy of 135 M parameters that answers by chance; 
 """What a person must know of these weights."""
 MAGIC = b"GGUF"
 SEED = 7
+START_S = 60.0
+"""How long loading may take."""
 
 
 class ModelServer:
@@ -42,21 +44,14 @@ class ModelServer:
         threads: How many cores it may use; one fewer than this process may use, if not given.
         window: Tokens that the question and the answer may have together.
         longest: Tokens that an answer may have.
-        start_s: How long loading may take.
 
     Raises:
         UsageError: The file is missing, is no GGUF file, or cannot be loaded; or the package that serves it is missing.
     """
 
     def __init__(
-        self,
-        file: Path,
-        *,
-        threads: int | None = None,
-        window: int = 4096,
-        longest: int = 512,
-        start_s: float = 60.0,
-    ) -> None:
+        self, file: Path, *, threads: int | None = None, window: int = 4096, longest: int = 512
+    ) -> None:  # fmt: skip
         self.file = gguf(file)
         if importlib.util.find_spec("xllamacpp") is None:
             raise UsageError(f"a local model needs the package xllamacpp: {install_command('local')}")
@@ -70,17 +65,17 @@ class ModelServer:
             start_new_session=True,  # an interrupt at the terminal is for the mission, which then closes this
         )
         try:
-            self.url = self._await_url(start_s)
+            self.url = self._await_url()
         except BaseException:
             self.close()
             raise
 
-    def _await_url(self, start_s: float) -> str:
+    def _await_url(self) -> str:
         assert self._process.stdout is not None
-        ready = readable(self._process.stdout.fileno(), within_s=start_s)
+        ready = readable(self._process.stdout.fileno(), within_s=START_S)
         line = self._process.stdout.readline() if ready else b""
         if not line:
-            why = "its process ended" if ready else f"it was not ready after {start_s:g} s"
+            why = "its process ended" if ready else f"it was not ready after {START_S:g} s"
             raise UsageError(f"{self.file} could not be served: {why}")
         report: dict[str, str] = json.loads(line)
         if "url" not in report:

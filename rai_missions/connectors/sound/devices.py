@@ -11,7 +11,6 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
@@ -40,15 +39,11 @@ class DeviceSound(FrameLoop):
     Args:
         microphone: Its name or number, as `rai-missions doctor --voice` lists them; the default one if left out.
         speaker: The same of the speaker.
-        now: The clock that stamps frames; that of the wall by default.
     """
 
-    def __init__(
-        self, microphone: str | int | None = None, speaker: str | int | None = None, *,
-        now: Callable[[], float] = time.monotonic,
-    ) -> None:  # fmt: skip
+    def __init__(self, microphone: str | int | None = None, speaker: str | int | None = None) -> None:
         super().__init__()
-        self._devices, self._now = (microphone, speaker), now
+        self._devices = microphone, speaker
         self._stream: Any = None
         self._is_wanted, self._lock = False, threading.Lock()
         self._frames: Worker | None = None
@@ -135,7 +130,7 @@ class DeviceSound(FrameLoop):
 
     def _stamp(self) -> float:
         """When the frame began: a frame after the one before it, drawn to the wall's clock."""
-        late = self._now() - FRAME_S - (self._at + FRAME_S)
+        late = time.monotonic() - FRAME_S - (self._at + FRAME_S)
         self._at += FRAME_S + (late if late > LATE_S else max(SHARE * late, -FRAME_S / 2))
         return self._at
 
