@@ -74,6 +74,10 @@ class Comparisons:
         """Paths, and what each can be by the mission's own doing."""
         self._copied: set[str] = set()
         self._odd: set[str] = set()
+        self._learn(mission, terms)
+
+    def _learn(self, mission: Mission, terms: RobotFacts) -> None:
+        """Look for all that the mission and the robot's composed actions compare, and for what it may be by then."""
         for guard in (*guards_in(mission), *guards_in(terms.succeeded), *guards_in(terms.failed)):
             guard.distinguish(self)
         for _, _, state in mission.walk():
