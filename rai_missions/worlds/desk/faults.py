@@ -22,7 +22,7 @@ from rai_missions.worlds.desk.scene import object_name, put_free
 from rai_missions.worlds.desk.scene_file import DESK, MIDDLE, DeskObject
 from rai_missions.worlds.options import check_names, check_number
 
-__all__ = ("DeskFaults", "FaultEvent", "Mischief")
+__all__ = ("DeskFaults", "FaultEvent", "FaultInjector")
 
 EVENTS = ("push", "move", "take")
 """What a person does to a thing."""
@@ -120,7 +120,7 @@ def _event(given: Any, place: str, names: Sequence[str]) -> FaultEvent:
     return event
 
 
-class Mischief:
+class FaultInjector:
     """Lets things go wrong in one simulation.
 
     Args:

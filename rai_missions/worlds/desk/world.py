@@ -18,7 +18,7 @@ from rai_missions.worlds.desk import arm, interface
 from rai_missions.worlds.desk.arm import Arm
 from rai_missions.worlds.desk.catalogue import COLOURS, lookalikes
 from rai_missions.worlds.desk.detector import LookClassifier, LookErrors
-from rai_missions.worlds.desk.faults import DeskFaults, Mischief
+from rai_missions.worlds.desk.faults import DeskFaults, FaultInjector
 from rai_missions.worlds.desk.finger_contacts import FingerContacts
 from rai_missions.worlds.desk.harm_judge import DeskJudge
 from rai_missions.worlds.desk.lies import LyingServer
@@ -87,20 +87,25 @@ class Desk(Simulation):
         things = self._things()
         self._kinds = kinds = {body: thing.kind for body, thing in things.items()}
         self._seed = seed
-        self._frames: FrameHistory | None = None
-        self._detecting: DetectorServices | None = None
-        if self.camera is not None:
-            self._frames = FrameHistory(
-                self.camera, seed, depth=interface.DEPTH, lens=interface.LENS, fovy_deg=FRONT_FOVY_DEG
-            )
-            boxes = DetectorErrors(miss=errors.miss, misclassify=errors.swap, down=errors.down)
-            seer = OpenSetDetector(things, boxes, seed, lookalikes, COLOURS)
-            self._detecting = DetectorServices(self._frames, seer, self.since)
+        self._frames = self._camera_frames(seed)
+        self._detecting = self._detector(things, seed, errors)
         self._eye: Eye = RayEye(self.model, kinds, seed) if self.camera is None else PixelEye(self.camera, kinds, seed)
         self._classifier = LookClassifier(things, errors, seed)
         self._tracks = Tracks()
         self._fingers = FingerContacts(self.model, self.objects)
-        self._mischief = Mischief(self.model, self.data, self.objects, wrong, seed)
+        self._faults = FaultInjector(self.model, self.data, self.objects, wrong, seed)
+
+    def _camera_frames(self, seed: int) -> FrameHistory | None:
+        if self.camera is None:
+            return None
+        return FrameHistory(self.camera, seed, depth=interface.DEPTH, lens=interface.LENS, fovy_deg=FRONT_FOVY_DEG)
+
+    def _detector(self, things: Mapping[int, Thing], seed: int, errors: LookErrors) -> DetectorServices | None:
+        if self._frames is None:
+            return None
+        boxes = DetectorErrors(miss=errors.miss, misclassify=errors.swap, down=errors.down)
+        seer = OpenSetDetector(things, boxes, seed, lookalikes, COLOURS)
+        return DetectorServices(self._frames, seer, self.since)
 
     def truth(self) -> DeskTruth:
         """What is so: for judges and tests alone."""
@@ -128,13 +133,13 @@ class Desk(Simulation):
         if self._detecting is not None:
             services |= self._detecting.services()
         servers = self.arm.actions(self._outbox, self.at)
-        actions = [(name, kind, LyingServer(server, self._mischief.lies)) for name, kind, server in servers]
+        actions = [(name, kind, LyingServer(server, self._faults.lies)) for name, kind, server in servers]
         self._open(connector, pictures=interface.SEEN, actions=actions, services=services)
 
     def step(self) -> None:
         """Go one period on: let physics happen, look, and publish what happened."""
         with self._outbox.lock:
-            self._mischief.step(self.since(), self.period_s, self._fingers.held(self.data))
+            self._faults.step(self.since(), self.period_s, self._fingers.held(self.data))
             for part in range(round(self.period_s / CONTROL_S)):
                 self.arm.step(self.at + part * CONTROL_S, CONTROL_S)
                 mujoco.mj_step(self.model, self.data, round(CONTROL_S / TIMESTEP_S))
