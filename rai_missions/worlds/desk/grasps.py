@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import islice
 from typing import NamedTuple
 
 from rai_missions.worlds.desk.footprints import SeenThing, Slab, overlap, slabs
@@ -78,12 +79,10 @@ def grasps(target: SeenThing, others: Sequence[SeenThing]) -> Iterator[Grasp]:
         x = target.x + math.cos(target.yaw) * along
         y = target.y + math.sin(target.yaw) * along
         for yaw, wide in _directions(target):
-            for extra in OPENINGS_M:
-                opening = min(MAX_WIDTH_M, extra if extra == MAX_WIDTH_M else wide + extra)
-                pose = ToolPose(x, y, z, yaw)
-                if opening > wide + 0.008 and _is_free(pose, opening, around):
-                    yield Grasp(pose, opening)
-                    break
+            pose = ToolPose(x, y, z, yaw)
+            openings = (min(MAX_WIDTH_M, extra if extra == MAX_WIDTH_M else wide + extra) for extra in OPENINGS_M)
+            free = (each for each in openings if each > wide + 0.008 and _is_free(pose, each, around))
+            yield from (Grasp(pose, opening) for opening in islice(free, 1))
 
 
 def releases(held: HeldThing, x: float, y: float, z: float, yaw: float, others: Sequence[SeenThing]) -> Iterator[Grasp]:

@@ -83,24 +83,25 @@ def _column(target: SeenThing, others: Sequence[SeenThing], heading: float) -> l
 
     None where it would be more than three.
     """
-    cos, sin = math.cos(heading), math.sin(heading)
     column = [target]
-    growing = True
-    while growing:
-        growing = False
+    is_growing = True
+    while is_growing:
+        is_growing = False
         for one in others:
-            if one in column:
-                continue
-            for member in column:
-                along = cos * (one.x - member.x) + sin * (one.y - member.y)
-                across = abs(-sin * (one.x - member.x) + cos * (one.y - member.y))
-                near = one.slab.half_along(heading) + member.slab.half_along(heading) + STANDOFF_M + 2 * TIP_SIDE_M
-                narrow = one.slab.half_along(heading + math.pi / 2) + member.slab.half_along(heading + math.pi / 2)
-                if abs(along) < near and across < narrow - TOUCHING_M:
-                    column.append(one)
-                    growing = True
-                    break
+            if one not in column and any(_moves_with(member, one, heading) for member in column):
+                column.append(one)
+                is_growing = True
     return column if len(column) <= 3 else None
+
+
+def _moves_with(member: SeenThing, one: SeenThing, heading: float) -> bool:
+    """Whether one is so near to a member of a column, along a heading, that both would move."""
+    cos, sin = math.cos(heading), math.sin(heading)
+    along = cos * (one.x - member.x) + sin * (one.y - member.y)
+    across = abs(-sin * (one.x - member.x) + cos * (one.y - member.y))
+    near = one.slab.half_along(heading) + member.slab.half_along(heading) + STANDOFF_M + 2 * TIP_SIDE_M
+    narrow = one.slab.half_along(heading + math.pi / 2) + member.slab.half_along(heading + math.pi / 2)
+    return abs(along) < near and across < narrow - TOUCHING_M
 
 
 def _lane(slab: Slab, heading: float, distance: float) -> Slab:
