@@ -128,14 +128,13 @@ def wrapped(text: str, size: float, limit: float, *, bold: bool = False, lines: 
     shown = text if len(text) <= LONGEST else f"{text[:LONGEST]} …"
     for paragraph in UNIT.sub("\\1\u00a0\\2", clean(shown)).split("\n"):
         line = ""
-        for word in paragraph.split(" "):
-            for piece in _pieces(word, size, limit, bold):
-                joined = f"{line} {piece[1]}" if line and piece[0] else line + piece[1]
-                if line and width(joined, size, bold=bold) > limit:
-                    found.append(line)
-                    line = piece[1]
-                else:
-                    line = joined
+        for begins, piece in (each for word in paragraph.split(" ") for each in _pieces(word, size, limit, bold)):
+            joined = f"{line} {piece}" if line and begins else line + piece
+            if line and width(joined, size, bold=bold) > limit:
+                found.append(line)
+                line = piece
+            else:
+                line = joined
         found.append(line)
     if len(found) > lines:
         found = [*found[: lines - 1], f"{found[lines - 1]} …"]

@@ -90,11 +90,8 @@ def _edges(old: Picture, new: Picture, compared: MissionPair) -> Iterator[Pictur
         for left, right in paired(transitions.get(name, ()), now.get(name, ())):
             gone = before.get((name, left), {}) if left is not None else {}
             come = after.get((name, right), {}) if right is not None else {}
-            for target, edge in come.items():
-                yield edge._replace(mark=_mark(gone.get(target), edge))
-            for target, edge in gone.items():
-                if target not in come:
-                    yield edge._replace(mark="-")
+            yield from (edge._replace(mark=_mark(gone.get(target), edge)) for target, edge in come.items())
+            yield from (edge._replace(mark="-") for target, edge in gone.items() if target not in come)
 
 
 def _mark(old: PictureEdge | None, new: PictureEdge) -> Mark:

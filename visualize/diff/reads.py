@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
+from itertools import chain
 from typing import NamedTuple
 
 from rai_missions.mission.mission import Mission
@@ -59,13 +60,12 @@ def uses(*missions: Mission) -> Uses:
     """What these missions read and receive."""
     keys, received = set[str](), set[str]()
     timers: dict[str, frozenset[str]] = {}
-    for mission in missions:
-        for thing in (mission, *(state for _, _, state in mission.walk())):
-            for _, item in parts(thing):
-                paths = (name for refers, name, _ in item.references() if refers.sort == "path")
-                keys.update(name.partition(".")[0] for name in paths)
-                if isinstance(item, Transition):
-                    received.update(item.on)
-                if isinstance(item, Raise) and item.id is not None:
-                    timers[item.id] = timers.get(item.id, frozenset()) | {item.event}
+    things = (each for mission in missions for each in (mission, *(state for _, _, state in mission.walk())))
+    for _, item in chain.from_iterable(map(parts, things)):
+        paths = (name for refers, name, _ in item.references() if refers.sort == "path")
+        keys.update(name.partition(".")[0] for name in paths)
+        if isinstance(item, Transition):
+            received.update(item.on)
+        if isinstance(item, Raise) and item.id is not None:
+            timers[item.id] = timers.get(item.id, frozenset()) | {item.event}
     return Uses(frozenset(keys), frozenset(received), timers)

@@ -65,11 +65,12 @@ class Roads:
             entered.add(name)
             waiting += self._with({name, *self.above(name)}, self.inside(name))
             for around in self.waiting_in(name):
-                if around not in received:
-                    received.add(around)
-                    for place, transition in self.transitions[around]:
-                        transitions.add(place)
-                        waiting += self._with(set(self.above(around)), transition.to)
+                if around in received:
+                    continue
+                received.add(around)
+                for place, transition in self.transitions[around]:
+                    transitions.add(place)
+                    waiting += self._with(set(self.above(around)), transition.to)
         return ReachableParts(frozenset(entered), frozenset(transitions))
 
     def waiting_in(self, name: str) -> tuple[str, ...]:
@@ -173,9 +174,8 @@ class Roads:
         for source, targets in names:
             around = {source, *self.above(source)}
             for target in targets:
-                for region in self._regions(target):
-                    if region not in around:
-                        found[region].add(target)
+                for region in set(self._regions(target)) - around:
+                    found[region].add(target)
         return found
 
 

@@ -7,7 +7,7 @@ reported.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -79,8 +79,7 @@ def read_run(path: Path | str, gallery: Gallery, *, name: str = "") -> Run:
             for row in record.rows():
                 if isinstance(row, StepRow):
                     entries.append(row)
-                    for image in _images(row.step):
-                        gallery.add(image)
+                    _keep_images(row.step, gallery)
                 elif isinstance(row, Note):
                     notes.append(row)
         except DefinitionError as error:
@@ -90,10 +89,11 @@ def read_run(path: Path | str, gallery: Gallery, *, name: str = "") -> Run:
     return Run(name or Path(path).name, mission, head, tuple(entries), tuple(notes), tuple(faults[:MOST_FAULTS]))
 
 
-def _images(step: Step) -> Iterator[Image]:
-    for effect in step.effects:
-        if isinstance(effect, Ask):
-            yield from (shown.value for shown in effect.question.evidence if isinstance(shown.value, Image))
+def _keep_images(step: Step, gallery: Gallery) -> None:
+    questions = (effect.question for effect in step.effects if isinstance(effect, Ask))
+    for shown in (each for question in questions for each in question.evidence):
+        if isinstance(shown.value, Image):
+            gallery.add(shown.value)
 
 
 def run_data(run: Run, gallery: Gallery, mission: Mission | None = None) -> Json:
