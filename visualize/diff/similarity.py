@@ -49,11 +49,7 @@ def alike_states(known: ComparedMissions) -> Scores:
         names = dict(found.keys())
         left = _same(texts[0], gone - names.keys(), {name: names.get(at, at) for name, at in known.before.items()})
         right = _same(texts[1], come - set(names.values()), known.after)
-        more = {
-            (left[key][0], right[key][0]): 1.0
-            for key in left.keys() & right.keys()
-            if len(left[key]) == len(right[key]) == 1
-        }
+        more = {(left[key][0], right[key][0]): 1.0 for key in left if len(left[key]) == len(right.get(key, ())) == 1}
         if not more:
             break
         found |= more

@@ -144,6 +144,14 @@ def test_a_new_name_alone_is_a_new_name_alone(given: dict[str, Any], data: st.Da
     assert {node.name: node.was for node in found.picture.nodes if node.was} == {"renamed": name}
 
 
+def test_new_names_are_listed_in_the_order_of_the_old_mission() -> None:
+    def mission(prefix: str) -> Mission:
+        states = {f"{prefix}{n}": {"about": f"the {n}th", "final": "aborted"} for n in range(8)}
+        return Mission.model_validate({"format": 1, "name": "m", "initial": f"{prefix}0", "states": states})
+
+    assert difference(mission("was"), mission("is")).renamed == tuple((f"was{n}", f"is{n}") for n in range(8))
+
+
 @given(mission_documents(), st.sampled_from(["count", "battery", "anomaly", "poke"]))
 def test_another_name_for_a_key_or_an_event_is_a_rename(given: dict[str, Any], name: str) -> None:
     mission = Mission.model_validate(given)
