@@ -132,8 +132,9 @@ def _chosen(what: str | None | Mapping[str, Any], drawn: Obstacle) -> Obstacle:
     for field, kinds in (("kind", (*KINDS, "none")), ("hides", (*KINDS, ""))):
         if choice.get(field, "") not in kinds or (field == "kind" and "kind" not in choice):
             raise UsageError(f"obstacles: no kind {choice.get(field)!r}; there are: {', '.join(KINDS)}, none")
-    for field in BOUNDS.keys() & choice.keys():
-        check_number(f"obstacles: {field}", choice[field], *BOUNDS[field])
+    for field, bounds in BOUNDS.items():
+        if field in choice:
+            check_number(f"obstacles: {field}", choice[field], *bounds)
     made = Obstacle(**{**{field: getattr(drawn, field) for field in known}, **choice})
     why = _fault(made)
     if why:
