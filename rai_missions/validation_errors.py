@@ -1,21 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a model refuses, as the author reads it: each fault with its JSON pointer, in a plain sentence.
+"""What a model or a function refuses, as its author reads it: each fault with its place, in a plain sentence.
 
 Rule: no sentence of pydantic's reaches an author.
 """
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Annotated, Any, Protocol, Self, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from rai_missions.errors import DefinitionError, Fault, pointer, suggestion
+from rai_missions.errors import DefinitionError, Fault, UsageError, pointer, suggestion
 from rai_missions.redaction import shown
 
-__all__ = ("KEY", "faults_of", "model_at", "place_of", "refusals", "validated", "words_of")
+__all__ = (
+    "KEY", "check_given", "faults_of", "given_names", "given_path", "model_at", "place_of", "refusals", "validated",
+    "words_of",
+)  # fmt: skip
 
 MOST = 1000
 """How many faults are listed one by one; anyone who has more reads no further."""
@@ -276,3 +281,47 @@ def _misnamed(given: str, pattern: str) -> str:
     if r"\." in pattern:
         return f"{shown(given)} is neither a key nor a field of one; write it like 'obstacle.height_m'{hint}"
     return f"{shown(given)} is not a name; a name is lower case letters, digits and '_', a letter first{hint}"
+
+
+def check_given(given: object, kinds: type | tuple[type, ...], taker: str, wanted: str) -> None:
+    """Refuse what is of no kind that a function takes.
+
+    Args:
+        given: What a program gave.
+        kinds: The classes that it may be of.
+        taker: The function, or its argument, for the sentence: `load`.
+        wanted: What it takes, in words: `the path of a file`.
+
+    Raises:
+        UsageError: It is of none.
+    """
+    if not isinstance(given, kinds):
+        raise UsageError(f"{taker} takes {wanted}, not {shown(given)}")
+
+
+def given_path(given: Any, taker: str) -> Path:
+    """A path; see `check_given`.
+
+    Raises:
+        UsageError: It is none.
+    """
+    check_given(given, (str, os.PathLike), taker, "the path of a file")
+    return Path(given)
+
+
+def given_names(given: Any, taker: str, of: str) -> Mapping[str, Any]:
+    """A mapping of names to what they name; see `check_given`.
+
+    Args:
+        given: It.
+        taker: The function, or its argument.
+        of: What the names are mapped to: `values`.
+
+    Raises:
+        UsageError: It is none, or a key of it is no text.
+    """
+    check_given(given, Mapping, taker, f"a mapping of names to {of}")
+    for name in given:
+        check_given(name, str, f"a key of {taker}", "a name, as text")
+    names: Mapping[str, Any] = given
+    return names

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import NoneType
 from typing import TYPE_CHECKING, Any
 
 from rai_missions.connectors.connector import Connector
@@ -18,11 +19,15 @@ from rai_missions.profile import Robot, RobotProgram
 from rai_missions.runtime.clock import Clock
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.run_options import RunObserver
+from rai_missions.validation_errors import check_given, given_names, given_path
 
 if TYPE_CHECKING:
     from langchain_core.language_models import BaseChatModel
 
 __all__ = ("RunConfig",)
+
+MAPPINGS = {"arguments": "values", "answerers": "answerers", "named": "predicates", "programs": "the SHA-256 of a file"}
+"""A field of `RunConfig` that maps names → to what."""
 
 
 @dataclass(frozen=True)
@@ -74,6 +79,25 @@ class RunConfig:
     clock: Clock | None = None
     on_step: Callable[[Step], None] | None = None
     on_status: Callable[[Status], None] | None = None
+
+    def __post_init__(self) -> None:
+        """Hold what is given to its types.
+
+        Raises:
+            UsageError: A path, a mapping, a flag or a function is none.
+        """
+        for word in ("journal", "record", "resume"):
+            if getattr(self, word) is not None:
+                given_path(getattr(self, word), word)
+        for word, of in MAPPINGS.items():
+            if word != "named" or self.named is not None:
+                given_names(getattr(self, word), word, of)
+        check_given(self.waits, bool, "waits", "True or False")
+        check_given(self.seed, (int, NoneType), "seed", "a whole number")
+        for word in ("on_step", "on_status"):
+            check_given(getattr(self, word), (Callable, NoneType), word, "a function")  # type: ignore[arg-type]
+        for word in ("connector", "opened"):
+            check_given(getattr(self, word), (Connector, NoneType), word, "a connector")
 
     @property
     def observer(self) -> RunObserver:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Collection, Iterable, Mapping
+from types import NoneType
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.check import bounds, cycles, keys, loops, names, outcomes, surprises, types
@@ -22,6 +23,7 @@ from rai_missions.errors import steps_of
 from rai_missions.mission.garbage import few_collections
 from rai_missions.mission.legible import LegiblePart, is_entry, words_in
 from rai_missions.mission.mission import Mission, given_mission
+from rai_missions.validation_errors import check_given
 
 __all__ = ("RULES", "CheckRule", "check", "check_part", "holds_anyway")
 
@@ -115,6 +117,7 @@ def check(mission: Mission, *, named: Collection[str] | None = None) -> tuple[Fi
         UsageError: It is no mission.
     """
     given_mission(mission, "check")
+    check_given(named, (Collection, NoneType), "named", "the names of predicates")
     index, order = MissionIndex(mission, named), document_order(mission)
     found = [
         Finding(place, sentence, rule.severity, rule.name) for rule in RULES for place, sentence in rule.find(index)

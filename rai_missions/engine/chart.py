@@ -38,6 +38,7 @@ from rai_missions.mission.mission import Mission, given_mission
 from rai_missions.redaction import clipped, shown
 from rai_missions.states.final import FinalOutcome
 from rai_missions.states.state import Holder
+from rai_missions.validation_errors import given_names
 
 __all__ = ("NOT_STARTED", "Chart", "Named", "Snapshot")
 
@@ -64,6 +65,8 @@ class Chart:
         named: Named | None = None, surroundings: Surroundings | None = None,
     ) -> None:  # fmt: skip
         given_mission(mission, "a chart")
+        if named is not None:
+            given_names(named, "named", "predicates")
         self.program = compiled(mission, ticker, facts=terms, named=named, surroundings=surroundings)
         self.state = fresh(self.program)
 
@@ -72,7 +75,12 @@ class Chart:
         cls, mission: Mission, saved: Snapshot, ticker: Trees | None = None, *, terms: RobotFacts | None = None,
         named: Named | None = None,
     ) -> Chart:  # fmt: skip
-        """A chart that continues where a snapshot was taken."""
+        """A chart that continues where a snapshot was taken.
+
+        Raises:
+            UsageError: It is no mission, or no snapshot.
+        """
+        given_names(saved, "restore", "what a snapshot holds")
         chart = cls(mission, ticker, terms=terms, named=named)
         snapshot.put_back(chart.program, chart.state, saved)
         return chart

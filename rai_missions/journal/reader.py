@@ -18,6 +18,7 @@ from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.journal.rows import Blob, Confirmation, Header, JournalRow, Note, Raw, StepRow, parsed, read_header
 from rai_missions.journal.sqlite import Closable, SqliteError, open_to_read
 from rai_missions.redaction import cut
+from rai_missions.validation_errors import given_path
 
 __all__ = ("Record",)
 
@@ -37,7 +38,7 @@ class Record(Closable):
     """
 
     def __init__(self, path: Path | str) -> None:
-        self.path = Path(path)
+        self.path = given_path(path, "a journal")
         self._database = open_to_read(self.path)
         self._close = weakref.finalize(self, self._database.close)
         (pages,), (size,) = (next(self._found(f"PRAGMA {each}")) for each in ("page_count", "page_size"))

@@ -43,6 +43,7 @@ from rai_missions.journal.sqlite import (
     widen,
 )
 from rai_missions.redaction import logger
+from rai_missions.validation_errors import given_path
 
 __all__ = ("Journal", "versions")
 
@@ -104,7 +105,7 @@ class Journal(Closable):
         Raises:
             UsageError: The file is there already, or none can be written there.
         """
-        path = Path(path)
+        path = given_path(path, "a journal")
         OPEN.make_room(len(Lock.held) + 1)
         lock, journal = Lock(path, new=True), None
         try:
@@ -132,7 +133,7 @@ class Journal(Closable):
             UsageError: There is none, or another process writes it, or has written on since it was read.
             DefinitionError: It is no journal of this format.
         """
-        path = Path(path)
+        path = given_path(path, "a journal")
         OPEN.make_room(len(Lock.held) + 1)
         lock, journal = Lock(path, new=False), None
         try:

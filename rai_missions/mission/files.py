@@ -42,8 +42,9 @@ def load(path: str | os.PathLike[str], *, python: bool = True) -> Mission:
     from rai_missions.errors import UsageError
     from rai_missions.mission.include import expanded, read_mission
     from rai_missions.mission.python_file import run_mission_file
+    from rai_missions.validation_errors import given_path
 
-    file = Path(path)
+    file = given_path(path, "load")
     if file.suffix == ".json":
         return expanded(read_mission(file), file)
     if file.suffix == ".py":
