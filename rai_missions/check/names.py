@@ -20,6 +20,7 @@ from rai_missions.states.state import ANY_EVENT, OUTCOMES
 __all__ = (
     "colliding_names",
     "duplicate_states",
+    "repeated_names",
     "unknown_events",
     "unknown_ids",
     "unknown_predicates",
@@ -33,6 +34,17 @@ def duplicate_states(index: MissionIndex) -> Found:
         first = index.by_name[spot.name]
         if first is not spot:
             yield spot.place, f"a second state is called '{spot.name}', as {first.place} is; give it a name of its own"
+
+
+def repeated_names(index: MissionIndex) -> Found:
+    """`on`, `evidence` and `tools` list each name once; a second one changes nothing."""
+    lists = [(f"{each.place}/on", each.definition.on) for each in index.transitions]
+    for asked, place, _ in index.asked:
+        lists += [(f"{place}/evidence", asked.evidence), (f"{place}/tools", asked.tools)]
+    for place, listed in lists:
+        for number, name in enumerate(listed):
+            if name in listed[:number]:
+                yield f"{place}/{number}", f"'{name}' is listed twice; drop this one"
 
 
 def unknown_states(index: MissionIndex) -> Found:
