@@ -7,13 +7,15 @@ Rule: a value without its stamp does not exist here; anyone who reads it can ask
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from itertools import chain
 from typing import Annotated, Any, Literal, NamedTuple, Self, TypeAlias
 
 from pydantic import BeforeValidator, Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from rai_missions.image import Image
-from rai_missions.model import Bool, Json, MissionModel, Name, Number, Seconds, Text, Value, fault
+from rai_missions.model import Bool, Json, MissionModel, Name, Number, Seconds, Text, Value, fault, refuse
 from rai_missions.plain_data import is_number
 from rai_missions.redaction import clipped, shown
 
@@ -64,6 +66,14 @@ Blackboard = dict[str, Stamped]
 """Key → what was last learned of it. A key that is not there was never received."""
 
 
+RANGE = ("minimum", "maximum")
+OWN_WORDS: Mapping[TypeName, tuple[str, ...]] = {
+    "pose": ("frame",), "object": ("fields",), "number": RANGE, "integer": RANGE,
+}  # fmt: skip
+"""Type → the words of a key that describe values of that type alone."""
+ALL_OWN = frozenset(chain(*OWN_WORDS.values()))
+
+
 class Key(MissionModel):
     """One key of the blackboard: its values, who writes it and how long it can be believed."""
 
@@ -100,26 +110,37 @@ class Key(MissionModel):
 
     @model_validator(mode="after")
     def _fits_its_source(self) -> Self:
+        refuse(self._faults())
+        return self
+
+    def _faults(self) -> Iterator[PydanticCustomError]:
+        """What does not go together."""
         if self.source == "robot" and self.initial is not None:
-            raise fault(
+            yield fault(
                 "initial", "a robot key has no 'initial': it is unknown until the robot reports it", at=("initial",)
             )
         if self.fields is not None and self.type != "object":
-            raise fault("fields", f"only an object has 'fields', this is of type '{self.type}'", at=("fields",))
+            yield fault("fields", f"only an object has 'fields', this is of type '{self.type}'", at=("fields",))
         if self.frame and self.type != "pose":
-            raise fault("frame", f"only a pose has a 'frame', this is of type '{self.type}'", at=("frame",))
-        self._check_range()
-        if self.initial is not None and (why := type_error(self, self.initial, written=True)):
-            raise fault("initial", f"'initial' does not fit: {why}", at=("initial",))
-        return self
+            yield fault("frame", f"only a pose has a 'frame', this is of type '{self.type}'", at=("frame",))
+        yield from self._range_faults()
+        if self.source != "robot" and self.initial is not None and (why := self._unfit_initial()):
+            yield fault("initial", f"'initial' does not fit: {why}", at=("initial",))
 
-    def _check_range(self) -> None:
+    def _unfit_initial(self) -> str:
+        """Why the value at the start is none of the key's, as far as the other words are of the key's type."""
+        own = OWN_WORDS.get(self.type, ())
+        foreign = {word: Key.model_fields[word].default for word in ALL_OWN if word not in own}
+        key = self.model_copy(update=foreign)
+        return type_error(key, self.initial, written=True)
+
+    def _range_faults(self) -> Iterator[PydanticCustomError]:
         """A range is of numbers that a person gives."""
         for name, bound in (("minimum", self.minimum), ("maximum", self.maximum)):
             if bound is not None and (self.source != "argument" or self.type not in ("number", "integer")):
-                raise fault(name, f"only an argument of type 'number' or 'integer' has a '{name}'", at=(name,))
+                yield fault(name, f"only an argument of type 'number' or 'integer' has a '{name}'", at=(name,))
         if self.minimum is not None and self.maximum is not None and self.minimum > self.maximum:
-            raise fault(
+            yield fault(
                 "maximum",
                 f"{self.maximum:g} is less than the minimum, {self.minimum:g}; no value fits",
                 at=("maximum",),

@@ -84,7 +84,14 @@ def faults_of(error: ValidationError, model: type[Any], data: Any, known: Iterab
 
 def refusals(error: ValidationError) -> list[Any]:
     """What a validation refused, as pydantic has it; a list of which items were refused counts as long as it was."""
-    return [item for item in error.errors(include_url=False) if not _is_shortened(item)]
+    items = (each for item in error.errors(include_url=False) for each in (item, *_more(item)))
+    return [item for item in items if not _is_shortened(item)]
+
+
+def _more(item: Any) -> Iterator[Any]:
+    """The other faults that a validator raised at once, each as pydantic has one."""
+    for other in item.get("ctx", {}).get("more", ()):
+        yield {**item, "type": other.type, "msg": other.message(), "ctx": other.context}
 
 
 def _is_shortened(item: Any) -> bool:

@@ -34,6 +34,7 @@ from rai_missions.model.fields import (
     fault,
     is_recorded,
     one_or_many,
+    refuse,
 )
 from rai_missions.model.mission_model import MissionModel, without_schema
 
@@ -71,5 +72,6 @@ __all__ = (
     "is_recorded",
     "kind_of",
     "one_or_many",
+    "refuse",
     "without_schema",
 )

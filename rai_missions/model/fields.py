@@ -6,7 +6,7 @@ Rule: nothing is coerced.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, Literal, Protocol, TypeAlias
 
 from pydantic import AfterValidator, BeforeValidator, Field, PlainSerializer, Strict, ValidationInfo
@@ -18,6 +18,7 @@ __all__ = (
     "LISTED", "NAME", "NOT_NULL", "PATH_PATTERN", "RECORDED", "ActionName", "Bool", "EventName", "Format", "HasPath",
     "Integer", "Json", "KeyName", "KeyPath", "Name", "Number", "Path", "Seconds", "ServiceName", "StateName",
     "StateNames", "Text", "TimerName", "TopicName", "Value", "alike", "fault", "is_recorded", "one_or_many",
+    "refuse",
 )  # fmt: skip
 
 NAME = r"^[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*$"
@@ -33,6 +34,17 @@ def fault(kind: str, sentence: str, *, at: tuple[str | int, ...] = ()) -> Pydant
         at: The steps to its place, from what the validator is given.
     """
     return PydanticCustomError(kind, "{sentence}", {"sentence": sentence, "at": at})
+
+
+def refuse(found: Iterable[PydanticCustomError]) -> None:
+    """Raise all faults that a validator found as one error, which is how pydantic takes them; none, if there are none.
+
+    Args:
+        found: As `fault` makes them.
+    """
+    if faults := tuple(found):
+        first, *more = faults
+        raise PydanticCustomError(first.type, "{sentence}", {**(first.context or {}), "more": more})
 
 
 RECORDED: Mapping[str, bool] = {"is_recorded": True}

@@ -10,11 +10,24 @@ from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
 
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.errors import suggestion
 from rai_missions.guards.guard import Guard
-from rai_missions.model import LISTED, AnyOf, Format, Json, MissionModel, Name, Text, fault, is_recorded, without_schema
+from rai_missions.model import (
+    LISTED,
+    AnyOf,
+    Format,
+    Json,
+    MissionModel,
+    Name,
+    Text,
+    fault,
+    is_recorded,
+    refuse,
+    without_schema,
+)
 from rai_missions.profile.conversation import ConversationPolicy
 from rai_missions.profile.entries import ActionEntry, AliveEntry, OneService, ServiceEntry, TopicEntry
 from rai_missions.profile.sources import EventSource, Source
@@ -53,14 +66,17 @@ class ToolPolicy(MissionModel):
 
     @model_validator(mode="after")
     def _has_patterns_of_whole_names(self, info: ValidationInfo) -> Self:
-        for word in () if is_recorded(info) else ("read", "write", "never"):
+        refuse(() if is_recorded(info) else self._pattern_faults())
+        return self
+
+    def _pattern_faults(self) -> Iterator[PydanticCustomError]:
+        for word in ("read", "write", "never"):
             for at, pattern in enumerate(getattr(self, word)):
                 if not pattern:
-                    raise fault(word, f"an empty pattern in '{word}' is no name; drop it", at=(word, at))
-                if not pattern.startswith(("/", "*", "?")):
+                    yield fault(word, f"an empty pattern in '{word}' is no name; drop it", at=(word, at))
+                elif not pattern.startswith(("/", "*", "?")):
                     why = f"{shown(pattern)} fits no name, since each begins with a slash; write {shown('/' + pattern)}"
-                    raise fault(word, why, at=(word, at))
-        return self
+                    yield fault(word, why, at=(word, at))
 
 
 class Robot(MissionModel):

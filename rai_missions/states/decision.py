@@ -7,11 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from rai_missions.errors import nearest, suggestion
 from rai_missions.guards.guard import Guard, GuardOrKey
 from rai_missions.kinds import PackageOffer, offered
-from rai_missions.model import AnyOf, Bool, Json, KeyPath, MissionModel, Name, Path, Text, fault
+from rai_missions.model import AnyOf, Bool, Json, KeyPath, MissionModel, Name, Path, Text, fault, refuse
 from rai_missions.states.effects import Effect
 from rai_missions.states.state import OUTCOMES, Controller, State, Transition
 
@@ -116,36 +117,35 @@ class DecisionSpec(MissionModel):
     ) -> None: ...  # fmt: skip
 
     @model_validator(mode="after")
-    def _fallback_is_an_option(self) -> Self:
+    def _options_fit(self) -> Self:
+        refuse((*self._option_faults(), *self._fallback_faults()))
+        return self
+
+    def _fallback_faults(self) -> Iterator[PydanticCustomError]:
         if self.fallback is None:
-            return self
+            return
         at = ("fallback",)
         if self.fallback not in self.options:
             known = suggestion(self.fallback, self.options)
-            raise fault("fallback", f"'fallback' names no option: '{self.fallback}'{known}", at=at)
+            yield fault("fallback", f"'fallback' names no option: '{self.fallback}'{known}", at=at)
+            return
         option = self.options[self.fallback]
         if option.when is not None:
-            raise fault(
+            yield fault(
                 "fallback",
                 f"the fallback '{self.fallback}' has a 'when'; it must always be open: drop its guard",
                 at=at,
             )
         if option.parameters is not None:
-            raise fault(
+            yield fault(
                 "fallback", f"the fallback '{self.fallback}' takes parameters, and no answer would bring them", at=at
             )
-        return self
 
-    @model_validator(mode="after")
-    def _options_are_no_outcomes(self) -> Self:
+    def _option_faults(self) -> Iterator[PydanticCustomError]:
         for name in self.options:
             if name in OUTCOMES:
-                raise fault(
-                    "option",
-                    f"an option may not be called '{name}': that is an outcome; choose another word",
-                    at=("options", name),
-                )
-        return self
+                why = f"an option may not be called '{name}': that is an outcome; choose another word"
+                yield fault("option", why, at=("options", name))
 
     def lines(self) -> Iterator[str]:
         """What is asked of whom, a line each."""
