@@ -4,6 +4,9 @@
 from __future__ import annotations
 
 import math
+import os
+import subprocess
+import sys
 from typing import Any
 
 import numpy as np
@@ -73,6 +76,30 @@ def test_a_longer_turn_and_phrases_of_others_have_no_odds() -> None:
     assert set(network.odds(states, PHRASES)) == set(PHRASES), "it was trained for those that are usual"
     assert network.odds(np.zeros((MOST_STEPS + 1, 384), np.float32), PHRASES) == {}
     assert network.odds(states, ("dig a hole",)) == {}
+
+
+CPU_OF_ODDS = """
+import time
+from rai_missions.voice.recognisers.whisper import open_recogniser
+open_recogniser()
+import numpy as np
+from rai_missions.voice.recognisers.phrase_network import trained_network
+states = np.random.default_rng(1).normal(size=(60, 384)).astype(np.float32)
+trained_network().odds(states, ())
+before = time.process_time()
+for _ in range(5):
+    trained_network().odds(states, ())
+    time.sleep(0.1)  # in which threads of OpenBLAS would spin
+print((time.process_time() - before) / 5 * 1000)
+"""
+
+
+@needs_voice
+@pytest.mark.xdist_group("voice")
+def test_threads_of_a_recogniser_that_have_nothing_to_do_take_no_cpu_time() -> None:
+    words = {name: text for name, text in os.environ.items() if not name.startswith("OPENBLAS")}
+    found = subprocess.run([sys.executable, "-c", CPU_OF_ODDS], env=words, capture_output=True, text=True, check=True)
+    assert float(found.stdout) < 15, "milliseconds; OpenBLAS spins for about 80 by itself on two cores"
 
 
 @needs_voice

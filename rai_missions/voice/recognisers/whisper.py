@@ -62,6 +62,8 @@ def open_recogniser(weights: str = SIZES[0], folder: str = "", threads: int = 0)
     Raises:
         UsageError: CTranslate2 or the weights are not installed.
     """
+    os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")  # threads that wait do not take the mission's cores,
+    os.environ.setdefault("OPENBLAS_THREAD_TIMEOUT", "4")  # nor do those of numpy, which spin after each product
     threads = threads or min(4, os.cpu_count() or 1)
     if folder:
         return Whisper(weights_in(Path(folder)), threads)
@@ -101,7 +103,6 @@ class Whisper:
     """
 
     def __init__(self, weights: WhisperWeights, threads: int, network: PhraseNetwork | None = None) -> None:
-        os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")  # threads that wait do not take the mission's cores
         try:
             import ctranslate2
         except ImportError:
