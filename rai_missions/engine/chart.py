@@ -38,7 +38,7 @@ from rai_missions.mission.mission import Mission, given_mission
 from rai_missions.redaction import clipped, shown
 from rai_missions.states.final import FinalOutcome
 from rai_missions.states.state import Holder
-from rai_missions.validation_errors import given_names
+from rai_missions.validation_errors import check_given, given_names
 
 __all__ = ("NOT_STARTED", "Chart", "Named", "Snapshot")
 
@@ -99,8 +99,9 @@ class Chart:
         """Enter the mission.
 
         Raises:
-            UsageError: It was started before, or is paused.
+            UsageError: It was started before, or is paused; or the time is no number.
         """
+        check_given(at, (int, float), "start", "seconds, as a number")
         if not self.unstarted:
             raise UsageError(f"the mission was started before; it is {self.mode}")
         if self.held_back:
@@ -120,7 +121,9 @@ class Chart:
         Raises:
             UsageError: The mission has no such key.
         """
-        if key not in self.program.keys:
+        name: object = key  # a program may give anything
+        if not isinstance(name, str) or name not in self.program.keys:
+            check_given(name, str, "write", "the name of a key")
             raise UsageError(f"the mission has no key '{key}'{suggestion(key, self.program.keys)}")
         data = {"value": value} if stamp is None else {"value": value, "stamp": stamp}
         return self.send(_new(Event, (key, self.state.at if at is None else at, data, "write", 0)))

@@ -43,6 +43,8 @@ NAMES: list[tuple[str, Door]] = [
 OTHERS: list[tuple[str, Door]] = [
     *map(option, ("waits", "seed", "on_step", "on_status", "connector", "opened")),
     ("named", lambda given: check(MISSION, named=given)),
+    ("start", lambda given: Chart(MISSION).start(given)),
+    ("write", lambda given: Chart(MISSION).write(given, 1)),
     ("terms", lambda given: prove(MISSION, terms=given)),
 ]
 
