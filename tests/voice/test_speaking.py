@@ -76,7 +76,7 @@ class Stage:
         sound.listen(self.frames.append)
         sound.start()
 
-    def pass_until(self, is_so: Callable[[], bool], most_s: float = 60.0) -> None:
+    def pass_until(self, is_so: Callable[[], bool], most_s: float = 600.0) -> None:
         """Let time pass as fast as the voice makes sound."""
         tick = threading.Event()
         for _ in range(int(most_s / FRAME_S)):
