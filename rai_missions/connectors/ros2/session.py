@@ -122,31 +122,38 @@ class Session:
         self, service: str, cls: Any, request: Any, on_reply: Callable[[Reply], None], timeout_s: float | None
     ) -> None:
         once = _Once(on_reply, self._calls, self._lock)
-        if not self._use(
+        self._use(
             lambda: self._client(service, cls), lambda client: client.call(request, once, timeout_s),
-            lambda why: once(Reply("failed", {}, why)),
-        ):  # fmt: skip
-            once(Reply("unavailable", {}, "ROS was shut down"))
+            lambda why: once(Reply("failed", {}, why)), lambda: once(Reply("unavailable", {}, "ROS was shut down")),
+        )  # fmt: skip
 
-    def _use(self, make: Callable[[], Made], use: Callable[[Made], object], refuse: Callable[[str], object]) -> bool:
-        """Have a client made and used on the runtime's thread; False once it is closed.
+    def _use(
+        self, make: Callable[[], Made], use: Callable[[Made], object], refuse: Callable[[str], object],
+        on_shutdown: Callable[[], object],
+    ) -> None:  # fmt: skip
+        """Have a client made and used on the runtime's thread.
 
         Args:
             make: Makes it; where ROS raises, such as for a type whose library is not here, `refuse` takes the reason.
             use: Takes it.
             refuse: Called instead of `use`.
+            on_shutdown: Called instead of both where ROS was shut down, also while the client is made.
         """
 
         def work() -> None:
             try:
                 made = make()
             except Exception as fault:
+                if not self.runtime.is_open:  # in the midst of a shutdown rclpy raises whatever breaks first
+                    on_shutdown()
+                    return
                 log.exception("ROS makes no client")
                 refuse(f"ROS makes no client: {type(fault).__name__}: {fault}")
             else:
                 use(made)
 
-        return self.runtime.post(work)
+        if not self.runtime.post(work):
+            on_shutdown()
 
     def _client(self, service: str, cls: Any) -> Client:
         if service not in self._clients:
@@ -182,11 +189,11 @@ class Session:
 
     def survey(self, action: str, cls: Any, within_s: float, on_result: Callable[[str], None]) -> None:
         """State who serves an action next to another; empty where at most one server answers, or ROS was shut down."""
-        if not self._use(
+        self._use(
             lambda: self._goal_client(action, cls), lambda client: client.survey(on_result, within_s),
             lambda _why: on_result(""),  # its first use reports it
-        ):  # fmt: skip
-            on_result("")
+            lambda: on_result(""),
+        )  # fmt: skip
 
     def send_goal(self, action: str, cls: Any, goal: Any, goal_id: str, on_report: Callable[[Report], None]) -> None:
         make = partial(self._goal, action, cls, goal_id, on_report, ClientGoal)
@@ -210,8 +217,7 @@ class Session:
             if goal_id in self._goals:
                 raise UsageError(f"goal {goal_id!r} is still running: every goal needs an id of its own")
             self._goals[goal_id] = lose
-        if not self._use(make, begin, lambda why: lose(why, unmade)):
-            lose("ROS was shut down")
+        self._use(make, begin, lambda why: lose(why, unmade), lambda: lose("ROS was shut down"))
 
     def _goal(self, action: str, cls: Any, goal_id: str, on_report: Callable[[Report], None], kind: type[Kind]) -> Kind:
         sent = kind(self._goal_client(action, cls), goal_id, lambda one: self._report(on_report, one), self._forget)

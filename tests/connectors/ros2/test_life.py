@@ -366,3 +366,24 @@ def test_an_interrupt_that_shuts_ros_down_loses_goals_and_answers_calls(peer: An
         """
     )
     assert (done.returncode, done.stdout, done.stderr) == (0, "unavailable unavailable\n", "")
+
+
+def test_a_call_whose_client_is_made_while_ros_is_shut_down_is_unavailable(peer: Any) -> None:
+    done = program(
+        f"""
+        from rclpy.node import Node
+        from rai_missions.connectors.contract import Inbox
+        from rai_missions.connectors.ros2 import open_connector
+        create = Node.create_client
+        def shut(node, *args, **options):
+            node.context.try_shutdown()
+            return create(node, *args, **options)
+        Node.create_client = shut
+        connector, replies = open_connector({{}}), Inbox(30.0)
+        connector.start()
+        connector.call("/{peer.name}/trigger", "{TRIGGER}", {{}}, on_reply=replies)
+        print(replies.wait(bool, "answered")[0].outcome)
+        connector.stop()
+        """
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "unavailable\n", "")
