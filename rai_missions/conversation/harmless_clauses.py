@@ -233,9 +233,9 @@ class HarmlessClauses:
 
     def is_gerund(self, words: Sequence[str]) -> bool:
         """Whether an act is only spoken of: `waiting is the safest choice`."""
-        rules = self._rules
-        after = words[1:]
-        at = next((at for at, word in enumerate(after) if word in rules.stative | rules.gerund_verbs), None)
+        rules, after = self._rules, words[1:]
+        verbs = rules.stative | rules.gerund_verbs
+        at = next((at for at, word in enumerate(after) if word in verbs), None)
         if at is None or not rules.is_progressive(words[0]) or rules.objects & set(words):
             return False
         return not self._reported & set(after[at:]) and not rules.progress.within(words)
