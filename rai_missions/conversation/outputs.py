@@ -53,6 +53,11 @@ class Speech(NamedTuple):
     aloud: str = ""
     """The words where only words arrive: a model's text after "I think", in the conversation's language; else empty."""
 
+    @property
+    def words(self) -> str:
+        """What is spoken or sent where only words arrive."""
+        return self.aloud or self.text
+
 
 class Silence(NamedTuple):
     """Stop speaking now and drop what is queued; each speech reports its end as `cut`."""

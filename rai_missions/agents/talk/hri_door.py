@@ -59,9 +59,7 @@ class HRIDoor:
         """Publish; whether anyone was reached, no topic reports. A report is a communication of its own."""
         report = cut(speech.report, MOST_NAME)
         try:
-            self._hri.send(
-                HRIMessage(speech.aloud or speech.text, author="ai", name=self._name, communication_id=report), self._to
-            )
+            self._hri.send(HRIMessage(speech.words, author="ai", name=self._name, communication_id=report), self._to)
         except MissionError as error:
             log.warning("%s: %s", self._to, cut(error, 200))
             on_end("failed")

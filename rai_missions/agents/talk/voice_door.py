@@ -76,7 +76,7 @@ class VoiceDoor:
     def speak(self, speech: Speech, on_end: OnSpoken) -> None:
         with self._lock:
             self._ends[speech.key] = on_end
-        self.speech.speak(SpokenText(speech.key, speech.aloud or speech.text, speech.priority, speech.uncut))
+        self.speech.speak(SpokenText(speech.key, speech.words, speech.priority, speech.uncut))
 
     def silence(self, *, is_total: bool = True) -> None:
         self.speech.silence(is_total=is_total)
