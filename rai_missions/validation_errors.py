@@ -290,7 +290,7 @@ def _misnamed(given: str, pattern: str) -> str:
     return f"{shown(given)} is not a name; a name is lower case letters, digits and '_', a letter first{hint}"
 
 
-def check_given(given: object, kinds: type | tuple[type, ...], taker: str, wanted: str) -> None:
+def check_given(given: object, kinds: type | tuple[type, ...], taker: str, wanted: str, remedy: str = "") -> None:
     """Refuse what is of no kind that a function takes.
 
     Args:
@@ -298,12 +298,13 @@ def check_given(given: object, kinds: type | tuple[type, ...], taker: str, wante
         kinds: The classes that it may be of.
         taker: The function, or its argument, for the sentence: `load`.
         wanted: What it takes, in words: `the path of a file`.
+        remedy: How one is made, for the end of the sentence.
 
     Raises:
         UsageError: It is of none.
     """
     if not isinstance(given, kinds):
-        raise UsageError(f"{taker} takes {wanted}, not {shown(given)}")
+        raise UsageError(f"{taker} takes {wanted}, not {shown(given)}{f'; {remedy}' if remedy else ''}")
 
 
 def given_path(given: Any, taker: str) -> Path:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from pathlib import Path
+from types import NoneType
 from typing import TYPE_CHECKING, NamedTuple
 
 from rai_missions.agents.python_robot import open_python_robot
@@ -21,6 +22,7 @@ from rai_missions.profile import Robot, RobotProgram, identity_folder, is_progra
 from rai_missions.redaction import logger, shown
 from rai_missions.runtime.arguments import accepted
 from rai_missions.runtime.clock import Clock, ContinuedClock
+from rai_missions.validation_errors import check_given
 
 if TYPE_CHECKING:
     from rai_missions.replay.open_run import OpenedRun
@@ -97,17 +99,6 @@ def profile_of(config: RunConfig) -> Robot | None:
         return robot_of(record)
 
 
-def _check_robot(given: object) -> None:
-    """Whether it may be a robot.
-
-    Raises:
-        UsageError: It is of another type.
-    """
-    if given is not None and not isinstance(given, Robot | PythonRobot | RobotProgram | str | Path):
-        kinds = "a Robot, a PythonRobot, or the file of either"
-        raise UsageError(f"a run takes {kinds}, not {shown(given)}; Robot.model_validate(…) makes one of data")
-
-
 def read_plan(config: RunConfig, closing: CleanupStack) -> RunPlan:
     """Read and check what a run is made of; nothing moves yet.
 
@@ -120,7 +111,10 @@ def read_plan(config: RunConfig, closing: CleanupStack) -> RunPlan:
         raise UsageError(f"{shown(speed)} is no speed; give a positive number such as 5, or infinity")
     mission = load_whole(config.mission) if isinstance(config.mission, str | Path) else config.mission
     given, identity = config.robot, None
-    _check_robot(given)
+    check_given(
+        given, (Robot, PythonRobot, RobotProgram, str, Path, NoneType), "a run",
+        "a Robot, a PythonRobot, or the file of either", "Robot.model_validate(…) makes one of data",
+    )  # fmt: skip
     if isinstance(given, str | Path) and not is_program(given):
         robot: Robot | None = load_whole_profile(given, mission)
         identity = identity_folder(robot, given) if robot is not None else None

@@ -35,6 +35,7 @@ from rai_missions.states.decision import answerer_offer
 from rai_missions.states.final import Final
 from rai_missions.states.state import State, States, Transition, Transitions, descendants
 from rai_missions.states.tree.behaviour import ONLY_IN_PYTHON, BehaviourLeaf
+from rai_missions.validation_errors import check_given
 
 if TYPE_CHECKING:
     from rai_missions.mission.builder import Keys
@@ -267,7 +268,7 @@ class Mission(MissionModel):
         return {"format": self.format, **super().written()}
 
 
-def given_mission(given: object, taker: str) -> Mission:
+def given_mission(given: Any, taker: str) -> Mission:
     """What a program gave as a mission.
 
     Args:
@@ -277,6 +278,6 @@ def given_mission(given: object, taker: str) -> Mission:
     Raises:
         UsageError: It is none.
     """
-    if not isinstance(given, Mission):
-        raise UsageError(f"{taker} takes a Mission, not {shown(given)}; load(FILE) makes one of a file")
-    return given
+    check_given(given, Mission, taker, "a Mission", "load(FILE) makes one of a file")
+    mission: Mission = given
+    return mission
