@@ -56,4 +56,4 @@ def mel_features(samples: Array, frames: int) -> Array:
     power = np.abs(np.fft.rfft(windows, axis=1)).astype(np.float32) ** 2
     bands = np.full((BANDS, frames), np.log10(LEAST_POWER), np.float32)
     bands[:, :used] = np.log10(np.maximum(BAND @ power.T, LEAST_POWER))
-    return np.asarray((np.maximum(bands, bands.max() - RANGE) + 4.0) / 4.0, np.float32)
+    return np.asarray((np.maximum(bands, np.max(bands) - RANGE) + 4.0) / 4.0, np.float32)

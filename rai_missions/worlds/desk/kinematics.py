@@ -107,7 +107,7 @@ class Kinematics:
             mujoco.mj_kinematics(self._model, data)
             error[:3] = wanted_at - data.site_xpos[self._site]
             error[3:] = _turn_between(data.site_xmat[self._site].reshape(3, 3), wanted_turn)
-            if abs(error[:3]).max() < CLOSE_M and abs(error[3:]).max() < CLOSE_RAD:
+            if np.max(abs(error[:3])) < CLOSE_M and np.max(abs(error[3:])) < CLOSE_RAD:
                 return joints
             mujoco.mj_comPos(self._model, data)
             mujoco.mj_jacSite(self._model, data, jacobian[:3], jacobian[3:], self._site)

@@ -145,7 +145,7 @@ def fit(kind: str, outlines: Sequence[ContourInFrame]) -> Fit:
     x, y, z, yaw = map(float, pose)
     depths = np.concatenate([_depths(kind, pose, each) for each in outlines])
     gap = 0.0 if KINDS[kind].is_container else float(np.quantile(np.abs(depths), 0.8)) * SIGMA_DEPTH_M
-    return Fit(x, y, z, yaw, float(np.median(np.abs(edges))) * SIGMA_PX, gap, float(np.sqrt(spread.diagonal().max())))
+    return Fit(x, y, z, yaw, float(np.median(np.abs(edges))) * SIGMA_PX, gap, float(np.sqrt(np.max(spread.diagonal()))))
 
 
 def _settled(kind: str, pose: Points, outlines: Sequence[ContourInFrame]) -> Points:

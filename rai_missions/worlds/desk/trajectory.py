@@ -47,10 +47,10 @@ class Trajectory:
         self._lay(stretches[kept[1:]])
         for _ in range(ROUNDS):
             local = self._factors()
-            if local.size == 0 or local.max() <= 1.05:
+            if local.size == 0 or np.max(local) <= 1.05:
                 break
             self._lay(np.diff(self._marks) * _widened(np.maximum(local, 1.0)))
-        self._slower = max(1.0, float(self._factors().max(initial=1.0)))
+        self._slower = max(1.0, float(np.max(self._factors(), initial=1.0)))
         self._length = float(self._marks[-1])
         self._marks_ahead = _sampled(_to_end(self._length, self._slower))
         self._ahead = self._along(self._marks_ahead[:, 0])

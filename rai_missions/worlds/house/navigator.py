@@ -117,9 +117,9 @@ class Navigator:
             low = below.low[_unseen(below.low, angles, ranges)]
             self.costmap.look_down(_on_map(below.floor, place, heading), _on_map(low, place, heading))
         self._low_ahead_m = self.costmap.low_near(place, heading)
-        self._ahead_m = min(float(ranges[np.abs(angles) < 0.5].min()), self._low_ahead_m)
+        self._ahead_m = min(float(np.min(ranges[np.abs(angles) < 0.5])), self._low_ahead_m)
         low_behind_m = self.costmap.low_near(place, heading + math.pi)
-        self._behind_m = min(float(ranges[np.abs(angles) > math.pi - 0.5].min()), low_behind_m)
+        self._behind_m = min(float(np.min(ranges[np.abs(angles) > math.pi - 0.5])), low_behind_m)
         if any(math.isinf(self.costmap.cost[self.costmap.cell(*point)]) for point in self._way[3:]):
             self._next_plan = 0.0
 
