@@ -39,7 +39,7 @@ from rai_missions.conversation import (
     Utterance,
 )
 from rai_missions.conversation.grammar import Grammar
-from rai_missions.conversation.inputs import LONGEST, SpeechResult
+from rai_missions.conversation.inputs import LONGEST, OrderResult, SpeechResult
 from rai_missions.conversation.language import language
 from rai_missions.conversation.senses import STOP
 from rai_missions.engine.step import Step
@@ -351,8 +351,9 @@ class ConversationalAgent:
         self._worker.post(self._look_at_doors)  # behind the ends of speech that wait already: those still count
 
     def _order_end(self, order: Order) -> OnOrderEnd:
-        def on_end(refused: str) -> None:
-            self._post(lambda: self._dialogue.on_order_end(OrderEnd(order.number, refused, self._now())))
+        def on_end(result: OrderResult) -> None:
+            end = partial(OrderEnd, order.number, result.refused, kind=result.kind)
+            self._post(lambda: self._dialogue.on_order_end(end(at=self._now())))
 
         return on_end
 
@@ -362,9 +363,9 @@ class ConversationalAgent:
         if order.name in ("start", "stop") and is_over and self._start is not None:
             self._start(order, on_end)
         elif order.name == "start" and is_over:
-            on_end("no other mission can be begun here")
+            on_end(OrderResult("no other mission can be begun here", "last"))
         elif run is None:
-            on_end("no mission is running")
+            on_end(OrderResult("no mission is running", "no_run"))
         else:
             run.orders.perform(order, on_end)
 

@@ -167,7 +167,7 @@ class _Player:
         return self.dialogue.on_speech_end(SpeechEnd(key, turn.get("result", "whole"), at))
 
     def _order_end(self, turn: Mapping[str, Any], at: float) -> tuple[Output, ...]:
-        return self.dialogue.on_order_end(OrderEnd(self.order, turn["order_end"], at))
+        return self.dialogue.on_order_end(OrderEnd(self.order, turn["order_end"], at, turn.get("kind", "")))
 
     def _speaker(self, turn: Mapping[str, Any], at: float) -> tuple[Output, ...]:
         return self.dialogue.on_speaker(is_alive=turn["speaker"] == "alive", at=at)

@@ -9,13 +9,36 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal, NamedTuple
 
+from rai_missions.engine.step import Refusal
 from rai_missions.event import Role
 from rai_missions.planning.text.normalise import LONGEST
 
-__all__ = ("LONGEST", "ModelText", "OrderEnd", "SpeechEnd", "SpeechResult", "Utterance", "by_words")
+__all__ = (
+    "LONGEST", "ModelText", "OrderEnd", "OrderResult", "RefusalKind", "SpeechEnd", "SpeechResult", "Utterance",
+    "by_words",
+)  # fmt: skip
 
 SpeechResult = Literal["whole", "cut", "failed"]
 """How a speech ended: every word came out; it was interrupted; the speaker did not speak it."""
+RefusalKind = Literal[Refusal, "judged", "late", "start", "stopped", "second", "last", "unsafe", "closing", "no_run"]
+"""Why an order was not carried out: what the engine refuses by its own kinds; an answer that was judged and does not
+count; an order that the run did not take in time; a start that the mission does not take; one to which a stop came, or
+that has another before it; no other run begins here, or none may, or the program ends; there is no run. Empty for
+any other."""
+
+
+class OrderResult(NamedTuple):
+    """Whether an order was carried out."""
+
+    refused: str = ""
+    """Why it was not, in a sentence; empty where it was."""
+    kind: RefusalKind = ""
+    """What kind of refusal that is; each language has a text for each kind."""
+
+    @classmethod
+    def of_start(cls, refused: str) -> OrderResult:
+        """What became of an order to start, by what the mission has against it."""
+        return cls(refused, "start" if refused else "")
 
 
 class Utterance(NamedTuple):
@@ -94,6 +117,8 @@ class OrderEnd(NamedTuple):
     refused: str = ""
     """Why it was not carried out, in a sentence; empty where it was."""
     at: float = 0.0
+    kind: RefusalKind = ""
+    """As in its `OrderResult`."""
 
 
 def by_words(role: Role, author: str, channel: str) -> str:

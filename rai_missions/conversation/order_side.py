@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import NamedTuple, TypeVar
 
 from rai_missions.conversation.confirmation import OrderConfirmation
-from rai_missions.conversation.inputs import LONGEST, OrderEnd, SpeechEnd, Utterance
+from rai_missions.conversation.inputs import LONGEST, OrderEnd, RefusalKind, SpeechEnd, Utterance
 from rai_missions.conversation.language import spoken
 from rai_missions.conversation.order_rules import (
     TWO_NEEDED,
@@ -24,6 +24,7 @@ from rai_missions.conversation.order_rules import (
 from rai_missions.conversation.order_words import order_words
 from rai_missions.conversation.outputs import Mapper, Order
 from rai_missions.conversation.request_queue import JudgedOrder, RequestQueue, order_data
+from rai_missions.conversation.run_words import state_of_run
 from rai_missions.conversation.senses import STOP, Sense
 from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.talk import Talk
@@ -337,7 +338,16 @@ class OrderSide:
         if why and judged.sense.name == "start":
             self._starting_until = float("-inf")
         if why and not judged.is_reported:
-            self._speaking.reply("refused", judged.utterance.unnumbered, order=judged.words, why=why.rstrip("."))
+            words = self._reason(end.kind, why)
+            self._speaking.reply("refused", judged.utterance.unnumbered, order=judged.words, why=words.rstrip("."))
+
+    def _reason(self, kind: RefusalKind, why: str) -> str:
+        """A refusal in the language of the conversation; as it was given, where it is of no kind."""
+        if not kind:
+            return why
+        return self._talk.language.text(
+            f"refused_{kind}", why=why, state=state_of_run(self._talk.view, self._talk.language)
+        )
 
     def await_earlier(self, answers: Sequence[Order]) -> None:
         """Report, to every channel, if one of these answers is refused, which a program before this one gave out."""

@@ -10,6 +10,7 @@ import pytest
 from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.cli.run.talk_runs import TalkRuns
 from rai_missions.conversation import Order
+from rai_missions.conversation.inputs import OrderResult
 from rai_missions.mission.mission import Mission
 from rai_missions.node.run_session import RunSession
 from rai_missions.node.web_operator import WebCommands
@@ -25,7 +26,7 @@ START = Order(1, "start", "operator", "page", "", "errand", {"rounds": 3})
 
 def test_a_start_that_is_ordered_while_the_next_run_is_prepared_begins_that_run() -> None:
     config = RunConfig(Mission.model_validate(MISSION), clock=SimulatedClock(), waits=True)
-    ends = list[str]()
+    ends = list[OrderResult]()
     with prepare(config) as first:
         runs = TalkRuns(config, waits=True, is_reachable=lambda: True)
         runs.begin(first)
@@ -38,21 +39,21 @@ def test_a_start_that_is_ordered_while_the_next_run_is_prepared_begins_that_run(
         runner = second.runner
         runner.call_soon(lambda: runner.cancel("test") if runner.waits else None)  # where the order was lost
         runner.run()
-        assert ends == [""] and not runner.waits, "it never began"
+        assert ends == [OrderResult()] and not runner.waits, "it never began"
         assert runner.view.board["rounds"].value == 3
         second.close()
 
 
 def test_a_stop_keeps_back_the_run_whose_start_was_ordered_and_has_not_begun() -> None:
     config = RunConfig(Mission.model_validate(MISSION), clock=SimulatedClock())
-    ends, stops = list[str](), list[str]()
+    ends, stops = list[OrderResult](), list[OrderResult]()
     with prepare(config) as first:
         runs = TalkRuns(config, waits=False, is_reachable=lambda: True)
         runs.begin(first)
         assert first.runner.run().outcome == "aborted"
         runs.order(START, ends.append)
         runs.order(START._replace(name="stop"), stops.append)
-        assert not runs.is_continued and stops == [""] and "stopped before it began" in ends[0]
+        assert not runs.is_continued and stops == [OrderResult()] and ends[0].kind == "stopped"
         runs.order(START, ends.append)
         second = runs.following()
         assert second is not None

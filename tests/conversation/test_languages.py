@@ -9,11 +9,12 @@ import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from string import Formatter
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 
-from rai_missions.conversation import Speech
+from rai_missions.conversation import Dialogue, Order, OrderEnd, Settings, Speech, StatusView, Utterance
+from rai_missions.conversation.inputs import RefusalKind
 from rai_missions.conversation.language import Language, language, languages
 from rai_missions.testing import play_conversation
 
@@ -75,6 +76,35 @@ def test_each_language_has_every_text_in_its_own_words(code: str) -> None:
     if code != "en":
         bare = {name: re.sub(r"\{\w*\}", "", text) for name, text in own.items()}
         assert {name for name, text in bare.items() if WORDS.search(text) and own[name] == english[name]} == set()
+
+
+def refused(code: str, kind: RefusalKind, why: str) -> str:
+    """What is spoken of an order that is not carried out."""
+    view = StatusView(run="r1", mode="running", mission="patrol")
+    dialogue = Dialogue(Settings(language=code), view)
+    outputs = dialogue.on_utterance(Utterance("pause", "operator", "terminal", at=1.0), view)
+    number = next(each.number for each in outputs if isinstance(each, Order))
+    ends = dialogue.on_order_end(OrderEnd(number, why, 2.0, kind))
+    return next(each.text for each in ends if isinstance(each, Speech))
+
+
+@pytest.mark.parametrize("code", languages())
+@pytest.mark.parametrize("kind", get_args(RefusalKind))
+def test_each_kind_of_refusal_is_spoken_in_the_conversations_language(code: str, kind: RefusalKind) -> None:
+    english, own = refused("en", kind, "a reason"), refused(code, kind, "a reason")
+    assert "a reason" in own if not kind else slots(language(code).data["texts"][f"refused_{kind}"]) <= {"why", "state"}
+    if code != "en":
+        assert own.partition(": ")[2] != english.partition(": ")[2] or not kind
+
+
+def test_each_refusal_that_a_program_words_itself_has_a_kind() -> None:
+    calls = [
+        node
+        for file in sorted(PACKAGE.rglob("*.py"))
+        for node in ast.walk(ast.parse(file.read_text("utf-8")))
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "OrderResult"
+    ]
+    assert len(calls) > 5 and {len(node.args) for node in calls} == {0, 2}
 
 
 def words_of(conversation: dict[str, Any]) -> Language:

@@ -11,16 +11,16 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from rai_missions.conversation import Order
-from rai_missions.conversation.inputs import by_words
+from rai_missions.conversation.inputs import OrderResult, RefusalKind, by_words
 from rai_missions.engine.step import Step
 from rai_missions.event import Event
 from rai_missions.runtime.requests import GOOD_FOR_S, OVER, RunRequests, refusal_text
 from rai_missions.runtime.runner import Runner
 
-__all__ = ("LASTING", "OnOrderEnd", "RunOrders")
+__all__ = ("LASTING", "OnOrderEnd", "RunOrders", "refusal_kind")
 
-OnOrderEnd = Callable[[str], None]
-"""Receives once, from any thread, why an order was not carried out; empty where it was."""
+OnOrderEnd = Callable[[OrderResult], None]
+"""Receives once, from any thread, what became of an order."""
 CLOSED = "its question is no longer asked"
 LASTING = frozenset({"stop", "cancel"})
 """Orders that are carried out however late the run takes them."""
@@ -34,7 +34,8 @@ class GivenOrder(NamedTuple):
 
     def take(self, step: Step) -> None:
         if not _is_kept(step):
-            self.on_end(refusal_text(step))
+            why = refusal_text(step)
+            self.on_end(OrderResult(why, refusal_kind(step) if why else ""))
 
     def judge(self, step: Step, *, is_open: bool) -> bool:
         """Look whether a step has judged it, once it was kept; its question may have been closed without that."""
@@ -44,14 +45,23 @@ class GivenOrder(NamedTuple):
             return False
         words = "" if verdict is None or verdict.note is None else step.notes[verdict.note]
         is_accepted = verdict is not None and verdict.accepted
-        self.on_end("" if is_accepted else words or CLOSED)
+        self.on_end(
+            OrderResult() if is_accepted else OrderResult(words, "judged") if words else OrderResult(CLOSED, "stale")
+        )
         return True
 
     def drop(self, waited_s: float) -> None:
-        self.on_end(f"the run did not get to it within {GOOD_FOR_S:g} s, and it was dropped")
+        self.on_end(OrderResult(f"the run did not get to it within {GOOD_FOR_S:g} s, and it was dropped", "late"))
 
     def end(self) -> None:
-        self.on_end(OVER)
+        self.on_end(OrderResult(OVER, "ended"))
+
+
+def refusal_kind(step: Step) -> RefusalKind:
+    """The kind of what a step refused."""
+    if step.event.kind != "proposal" or step.refusal:
+        return step.refusal
+    return "judged" if step.verdict is not None and step.verdict.kind == "proposal" else "stale"
 
 
 def _is_kept(step: Step) -> bool:
@@ -85,7 +95,7 @@ class RunOrders:
     def perform(self, order: Order, on_end: OnOrderEnd) -> None:
         """Carry out an order; never waits."""
         if order.name == "start":
-            on_end(self._runner.start(order.arguments))
+            on_end(OrderResult.of_start(self._runner.start(order.arguments)))
             return
         request = self._requests.add(GivenOrder(order, on_end), lasts=order.name in LASTING)
         if not request:

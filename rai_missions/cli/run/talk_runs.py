@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from rai_missions.agents.mission import PreparedRun, RunConfig, prepare_next
+from rai_missions.conversation.inputs import OrderResult
 from rai_missions.errors import DefinitionError
 from rai_missions.runtime.arguments import accepted
 from rai_missions.runtime.interrupts import BY
@@ -67,17 +68,18 @@ class TalkRuns:
     def order(self, order: Order, on_end: OnOrderEnd) -> None:
         """Begin another run, since one is over; or, by a stop, none that was ordered."""
         if order.name == "stop":
-            self._withdraw(f"it was stopped before it began: {order.role} ({order.channel})")
-            on_end("")
+            self._withdraw(OrderResult(f"it was stopped before it began: {order.role} ({order.channel})", "stopped"))
+            on_end(OrderResult())
             return
         before = self._before
-        why = self._why_not(before, order) if before is not None else "no run was prepared"
+        result = self._judged(before, order) if before is not None else OrderResult("no run was prepared", "no_run")
         with self._lock:
-            why = why or ("another start was ordered before it" if self._ordered is not None else "")
-            if not why:
+            if not result.refused and self._ordered is not None:
+                result = OrderResult("another start was ordered before it", "second")
+            if not result.refused:
                 self._ordered = OrderedRun(order, on_end)
-        if why:
-            on_end(why)
+        if result.refused:
+            on_end(result)
 
     def interrupt(self, by: str) -> None:
         """Cancel the run; no other follows."""
@@ -143,7 +145,7 @@ class TalkRuns:
         with self._lock:
             ordered, self._ordered = self._ordered, None
         if ordered is not None:
-            ordered.on_end(runner.start(ordered.order.arguments) if runner.waits else "")
+            ordered.on_end(OrderResult.of_start(runner.start(ordered.order.arguments) if runner.waits else ""))
         elif not runner.waits:
             runner.stop(WITHDRAWN)
         if self._is_interrupted:
@@ -153,23 +155,24 @@ class TalkRuns:
     def close(self) -> None:
         """No other run follows."""
         before = self._before
-        self._withdraw((before.why_last if before is not None else "") or "the program ends")
+        why_last = before.why_last if before is not None else ""
+        self._withdraw(OrderResult(why_last, "unsafe") if why_last else OrderResult("the program ends", "closing"))
 
-    def _withdraw(self, why: str) -> None:
+    def _withdraw(self, result: OrderResult) -> None:
         """No start is ordered any more."""
         with self._lock:
             ordered, self._ordered = self._ordered, None
         if ordered is not None:
-            ordered.on_end(why)
+            ordered.on_end(result)
 
-    def _why_not(self, before: PreparedRun, order: Order) -> str:
-        if before.why_last:
-            return before.why_last
+    def _judged(self, before: PreparedRun, order: Order) -> OrderResult:
+        if why := before.why_last:
+            return OrderResult(why, "unsafe")
         try:
             accepted(before.mission, {**self._config.arguments, **order.arguments})
         except DefinitionError as error:
-            return "; ".join(fault.sentence for fault in error.faults)
-        return ""
+            return OrderResult.of_start("; ".join(fault.sentence for fault in error.faults))
+        return OrderResult()
 
     def _named(self, first: str | Path | None) -> Path | None:
         """The file of the next run: `errand-2.journal` after `errand.journal`."""

@@ -18,12 +18,14 @@ from rai_missions.agents.talk.doors import OnSpoken, TalkLine, TextDoor
 from rai_missions.agents.talk.happenings import happenings
 from rai_missions.agents.talk.hri_door import HRIDoor
 from rai_missions.agents.talk.model import MOST_LOOKS, TalkModel
+from rai_missions.agents.talk.orders import refusal_kind
 from rai_missions.agents.talk.run_status import RunStatus
 from rai_missions.connectors.hri.connector import FROM_HUMAN, TO_HUMAN, HRIConnector
 from rai_missions.connectors.hri.message import HRIMessage
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.conversation import Settings, Speech, StatusView, permissions
-from rai_missions.event import Role
+from rai_missions.engine.chart import Chart
+from rai_missions.event import Event, Role
 from rai_missions.runtime.clock import WallClock
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.testing import Inbox
@@ -127,6 +129,21 @@ def test_the_open_question_is_shown_and_answered_in_words_and_judged_like_any_ot
         assert [(step.event.data["by"], step.event.data["role"]) for step in answered] == [
             ("operator Anna (terminal)", "operator")
         ]
+
+
+def test_what_a_run_refuses_is_of_the_kind_that_its_step_has() -> None:
+    chart = Chart(mission(ASKED))
+    events = {
+        "not_started": Event("operator", 0.0, {"option": "left"}, "proposal", 1),
+        "": Event("start", 0.0, {}, "command"),
+        "mode": Event("resume", 0.0, {}, "command"),
+        "stale": Event("operator", 0.0, {"option": "left"}, "proposal", 99),
+        "judged": Event("operator", 0.0, {"option": "fly"}, "proposal", 1),
+    }  # fmt: skip
+    steps = {kind: chart.start() if event.name == "start" else chart.send(event) for kind, event in events.items()}
+    assert {kind: refusal_kind(step) for kind, step in steps.items() if kind} == {kind: kind for kind in steps if kind}
+    chart.send(Event("kill", 0.0, {}, "command"))
+    assert refusal_kind(chart.send(events["mode"])) == "ended"
 
 
 def test_what_the_profile_grants_a_person_may_do() -> None:
