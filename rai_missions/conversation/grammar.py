@@ -83,6 +83,10 @@ class Grammar:
         is_short = 0 < len(words) <= MOST_WORDS
         return option.free(words) if option is not None and is_short and not text.rstrip().endswith("?") else None
 
+    def answers_by_sense(self, text: str, view: StatusView) -> tuple[Sense, ...]:
+        """What a sentence without another meaning answers in words of its own, to be read back."""
+        return tuple(self.sentence.answers_by_sense(text, view))
+
     def _is_within(self, sense: Sense, parts: Sequence[str]) -> bool:
         """Whether each text that a sense has is in one part: not the thing of `Find the cup. I am here`."""
         texts = [" ".join(self.language.normaliser.words(part)) for part in parts]

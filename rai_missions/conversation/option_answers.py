@@ -9,6 +9,7 @@ from rai_missions.conversation.arguments import IN_WORDS, BadValue, read_argumen
 from rai_missions.conversation.free_answers import TextOption, text_option
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.names import option_named
+from rai_missions.conversation.option_senses import OptionSenses
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.view import KeyView, StatusView
 from rai_missions.engine.decision import Offer, Question
@@ -24,7 +25,7 @@ class OptionAnswers:
     """
 
     def __init__(self, language: Language) -> None:
-        self._language = language
+        self._language, self._senses = language, OptionSenses(language)
 
     def senses(self, words: list[str], view: StatusView) -> list[Sense]:
         """What it answers: the one open question that has such an option; of several the oldest, to be read back."""
@@ -33,6 +34,14 @@ class OptionAnswers:
         whole = [sense for sense in found if not sense.is_partial]
         chosen = (whole or found)[:1]
         return chosen if len(whole or found) < 2 else [sense._replace(is_partial=True) for sense in chosen]
+
+    def by_sense(self, text: str, view: StatusView) -> list[Sense]:
+        """What a sentence answers by the sense of its words, each to be read back."""
+        return [
+            self._answer(offer, is_partial=True)._replace(question=question.number)
+            for question in view.questions
+            for offer in self._senses.asked_for(text, question.options)
+        ]
 
     def fits(self, words: list[str], questions: Sequence[Question]) -> bool:
         """Whether the words answer one of these questions by a whole option."""

@@ -20,8 +20,9 @@ from rai_missions.conversation.senses import FAULT, STOP, Sense, is_fault
 from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.state_questions import StateQuestions
 from rai_missions.conversation.view import StatusView
+from rai_missions.conversation.word_slips import nearest
 from rai_missions.engine.decision import Question
-from rai_missions.planning.text.normalise import LONGEST_WORD, is_near, is_slip, once
+from rai_missions.planning.text.normalise import LONGEST_WORD, once
 
 __all__ = ("MOST_MENDED", "MOST_WORDS", "NONE", "SentenceGrammar")
 
@@ -35,8 +36,6 @@ POLITE, LONGEST_GREETING = ("hello", "thanks", "sorry"), 3
 """Questions that are none and may be ahead of any sentence, and the words of the longest."""
 MOST_NESTED = 3
 """Questions and tags that are read inside one another."""
-NEAREST = 5
-"""Letters of the shortest word in which any letter may be wrong."""
 NONE: Mapping[str, str] = {}
 
 
@@ -110,6 +109,10 @@ class SentenceGrammar:
         """Whether the words would answer one of these questions, as a whole or as a correction."""
         ways = [words, *self._corrections.instead(words)] if words and len(words) <= MOST_MENDED else []
         return any(self._answers.fits(each, questions) for each in ways)
+
+    def answers_by_sense(self, text: str, view: StatusView) -> list[Sense]:
+        """What a sentence answers in words of its own, to be read back; several where it may be several."""
+        return self._answers.by_sense(text, view)
 
     def _forms(self, words: list[str], bare: list[str], view: StatusView) -> Iterator[list[str]]:
         """What of a sentence may be what is meant, the likeliest first; what is not asked for is not worked out."""
@@ -193,23 +196,9 @@ class SentenceGrammar:
         mended = [misheard.get(word, word) if word not in known else word for word in short]
         if len(words) == 1:
             mended = [misheard.get(short[0], short[0])]
-        mended = [self._nearest(word, known) for word in mended]
+        mended = [nearest(word, known) for word in mended]
         bare = self.language.normaliser.bare(mended, called(view.robot))
         return self._words(bare, view, draft) if mended != words else ()
-
-    def _nearest(self, word: str, known: set[str]) -> str:
-        """The one known word that it is but for a letter; a short one only by letters exchanged or written twice.
-
-        A short word that begins with another letter, or lacks one, may be another word: `rote` is no `orte`.
-        """
-        if word in known:
-            return word
-        if len(word) < NEAREST:
-            near = [each for each in known if each[0] == word[0] and len(each) <= len(word) and is_slip(word, each)]
-        else:
-            near = [each for each in known if len(each) >= NEAREST - 1 and is_near(word, each)]
-            near = [each for each in near if each[0] == word[0]] or near
-        return near[0] if len(near) == 1 else word
 
     def _words(self, words: list[str], view: StatusView, draft: Draft | None = None) -> tuple[Sense, ...]:
         language = self.language

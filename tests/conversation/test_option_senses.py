@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Answers in words of a person's own: which option they ask for, and what is none."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+import pytest
+
+from rai_missions.conversation import Dialogue, Order, Output, Settings, StatusView, TalkNote, Utterance
+from rai_missions.engine.decision import Offer, Question
+from tests.conversation.stored import SENTENCES, read, read_back
+
+STORED = read("answers.json")
+CODES = tuple(STORED)
+ANSWERS = [
+    (code, option, text) for code in CODES for option, texts in STORED[code]["answers"].items() for text in texts
+]
+MOST_READ_BACK = 0.02
+"""The share of other talk that may be read back as an answer."""
+
+
+def asking(options: Mapping[str, str]) -> StatusView:
+    """A run with an open question."""
+    offers = tuple(Offer(name, about) for name, about in options.items())
+    return StatusView(
+        run="r1", mode="running", mission="rows", robot="rob",
+        questions=(Question(1, "assessing", "operator", "What now?", offers),),
+    )  # fmt: skip
+
+
+def outputs(code: str, *sentences: str) -> tuple[Output, ...]:
+    """What goes out at the last of some typed sentences, while a question is open."""
+    view, found = asking(STORED[code]["options"]), tuple[Output, ...]()
+    dialogue = Dialogue(Settings(language=code), view)
+    for at, text in enumerate(sentences, start=1):
+        found = dialogue.on_utterance(Utterance(text, "operator", "terminal", at=float(at)), view)
+    return found
+
+
+@pytest.mark.parametrize(("code", "option", "text"), ANSWERS)
+def test_an_answer_in_own_words_is_read_back_and_counts_by_a_yes(code: str, option: str, text: str) -> None:
+    assert not any(isinstance(each, Order) for each in outputs(code, text)), "it was given out at once"
+    orders = [each for each in outputs(code, text, {"en": "yes", "de": "ja"}[code]) if isinstance(each, Order)]
+    assert [(each.name, each.option) for each in orders] == [("answer", option)]
+
+
+@pytest.mark.parametrize(("code", "before"), [("en", "if he moves,"), ("en", "do not"), ("de", "wenn er geht,")])
+def test_nothing_is_an_answer_behind_a_condition_or_a_negation(code: str, before: str) -> None:
+    clauses = (text for own, _, text in ANSWERS if own == code and not re.search(r"[,.] \w", text))
+    for text in clauses:
+        options = [each.data["order"].get("option") for each in outputs(code, f"{before} {text}") if is_read_back(each)]
+        assert not options, text
+
+
+def is_read_back(output: Output) -> bool:
+    return isinstance(output, TalkNote) and output.kind == "read_back"
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_other_talk_is_no_answer(code: str) -> None:
+    talk = SENTENCES["talk"][code]
+    found = [(text, each) for text in talk for each in outputs(code, text) if is_read_back(each)]
+    answers = [text for text, each in found if each.data["order"]["order"] == "answer"]
+    assert len(answers) <= MOST_READ_BACK * len(talk), answers
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_without_a_question_nothing_is_an_answer(code: str) -> None:
+    view = StatusView(run="r1", mode="running", mission="rows", robot="rob")
+    for _, _, text in (each for each in ANSWERS if each[0] == code):
+        found = Dialogue(Settings(language=code), view).on_utterance(
+            Utterance(text, "operator", "terminal", at=1.0), view
+        )
+        assert not any(each.name == "answer" for each in found if isinstance(each, Order)), text
+        assert all("option" not in (each or {}) for each in read_back(found)), text
