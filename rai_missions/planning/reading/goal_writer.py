@@ -330,6 +330,15 @@ class GoalWriter:
     def _several(self, phrases: Sequence[Phrase]) -> Names:
         return self._at_least_two(self._names(phrases))
 
+    def _in_turn(self, phrases: Sequence[Phrase]) -> Names:
+        """The things of a tower or a row, each named once: in `the cubes, red first` the second phrase is an order."""
+        each = [self._names([phrase]) for phrase in phrases]
+        names = tuple(name for names in each for name in names)
+        self._subjects = tuple(dict.fromkeys(names))
+        if len(names) > len(self._subjects):
+            raise self._ask("order")
+        return self._at_least_two(names)
+
     def _at_least_two(self, names: Names) -> Names:
         if len(names) < 2:
             raise self._ask("too_few", self._listed(names))
@@ -338,7 +347,7 @@ class GoalWriter:
     def _stack(self, clause: Clause) -> Iterator[Plain]:
         base = self._base(clause)
         if not clause.levels:
-            names = self._several(_stackable(clause.subjects) or (STACKED,))
+            names = self._in_turn(_stackable(clause.subjects) or (STACKED,))
         else:
             members = self._names(_stackable(clause.subjects)) if clause.subjects else ()
             placed = [(self._one(_stackable([phrase])[0]), level) for phrase, level in clause.levels]
@@ -349,7 +358,7 @@ class GoalWriter:
 
     def _tower_each(self, clause: Clause) -> Iterator[Plain]:
         """Several towers of as many things each; which are in which is for the person to choose."""
-        names = self._several(_stackable(clause.subjects) or (STACKED,))
+        names = self._in_turn(_stackable(clause.subjects) or (STACKED,))
         height, left = divmod(len(names), clause.count)
         if left or height < LEAST_TOWER:
             raise self._ask("order")
@@ -425,7 +434,7 @@ class GoalWriter:
         yield {"next_to": list(names)} if len(names) == 2 else {"grouped": list(names)}
 
     def _row(self, clause: Clause) -> Iterator[Plain]:
-        yield from row([self._things.scene.thing(name) for name in self._several(clause.subjects)])
+        yield from row([self._things.scene.thing(name) for name in self._in_turn(clause.subjects)])
 
     def _in_order(self, clause: Clause) -> Iterator[Plain]:
         each = [self._names([phrase]) for phrase in clause.subjects]

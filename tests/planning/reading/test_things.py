@@ -151,6 +151,19 @@ def test_a_wish_after_a_verb_of_grasping_is_read(request_: str, predicates: list
     assert reading_of(request_, SEEN).goal == goal(*predicates)
 
 
+@pytest.mark.parametrize(
+    "request_",
+    [
+        "stack the cubes, red first", "stack all the cubes, the leftmost first", "stack red, blue and red",
+        "two towers: the cubes and red", "line up the cubes, red first", "put the cubes and the red cube in a row",
+        "stapel die Würfel, rot zuerst", "stapel die Würfel, den roten zuerst",
+    ],
+)  # fmt: skip
+def test_a_thing_that_a_tower_or_a_row_has_twice_is_about_its_order(request_: str) -> None:
+    found = reading_of(request_, SEEN)
+    assert (found.outcome, found.reason, found.goal) == ("unclear", "order", None)
+
+
 MOVES = {
     "en": (
         "put {0} on the yellow cube",
