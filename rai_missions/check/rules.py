@@ -61,6 +61,7 @@ RULES: tuple[CheckRule, ...] = (
     CheckRule("mismatched-list", "error", types.mismatched_lists, "place"),
     CheckRule("mismatched-activity", "error", types.mismatched_activities, "place"),
     CheckRule("mismatched-write", "error", types.mismatched_writes, "place"),
+    CheckRule("unreadable-goal", "error", types.unreadable_goals, "place"),
     CheckRule("initial-outside", "error", shape.initial_outside, "place"),
     CheckRule("history-default", "error", shape.history_defaults, "place"),
     CheckRule("target-list", "error", shape.target_lists, "place"),

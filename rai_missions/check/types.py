@@ -3,15 +3,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
+from typing import Any
+
 from rai_missions.check.finding import Found
 from rai_missions.check.index import KeyWrite, MissionIndex, PathUse, Scope
 from rai_missions.check.paths import meaning
+from rai_missions.errors import DefinitionError
+from rai_missions.guards import GoalIs
 from rai_missions.guards.compare import NUMBERS, comparable
 from rai_missions.keys import Key, type_error
+from rai_missions.states import Plan
 from rai_missions.states.effects import references
 
 __all__ = (
     "mismatched_activities", "mismatched_comparisons", "mismatched_lists", "mismatched_poses", "mismatched_writes",
+    "unreadable_goals",
 )  # fmt: skip
 
 
@@ -106,3 +113,29 @@ def _written(index: MissionIndex, write: KeyWrite, key: Key) -> tuple[str, str] 
     ):
         return f"{write.place}/value", f"'{write.key}' cannot hold this: {why}"
     return None
+
+
+def unreadable_goals(index: MissionIndex) -> Found:
+    """A goal that is written in the mission is one that the planner reads."""
+    goals = {part.goal for _, part, _ in index.parts if isinstance(part, GoalIs)}
+    goals |= {spot.state.plan for spot in index.spots if isinstance(spot.state, Plan)}
+    for place, value in _constants(index, goals):
+        from rai_missions.planning import read_goal  # a planner; few missions have goals
+
+        try:
+            read_goal(value)
+        except DefinitionError as error:
+            yield from ((place + each.place, each.sentence) for each in error.faults)
+
+
+def _constants(index: MissionIndex, goals: set[str]) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """The objects that are given to keys of goals in the mission itself, with their places; an empty one is no goal."""
+    initial = (
+        (f"/blackboard/{name}/initial", key.initial) for name, key in index.mission.blackboard.items() if name in goals
+    )
+    values = (
+        (f"{write.place}/value", write.value) for write in index.writes if write.by == "set" and write.key in goals
+    )
+    for place, value in (*initial, *values):
+        if isinstance(value, Mapping) and value and next(references(value), None) is None:
+            yield place, value

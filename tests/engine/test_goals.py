@@ -138,6 +138,39 @@ def test_no_plan_is_a_failure_with_a_reason(seen: Json, reason: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("keys", "why"),
+    [
+        ({"objects": {"things": 3}}, "what is seen cannot be read: /things: 3 is not a list; write […]"),
+        ({"objects": APART, "wanted": {"all": [{"inside": ["red_cube", "tray"]}]}},
+         "the goal cannot be read: /all/0: no predicate is written ['inside']; there is: "),
+    ],
+)  # fmt: skip
+def test_a_goal_or_a_sight_that_cannot_be_read_is_named_with_its_first_fault(keys: Json, why: str) -> None:
+    chart = Chart(mission())
+    for name, value in keys.items():
+        chart.write(name, value, 0.0)
+    (written,) = (value for key, value in chart.start(0.0).writes if key == "plan")
+    assert written["reason"] == "unreadable" and written["about"].startswith(why)
+
+
+def test_a_request_over_a_sight_that_cannot_be_read_is_refused_with_its_first_fault() -> None:
+    plain = mission().written()
+    plain["blackboard"]["reading"] = {"type": "object"}
+    planning = plain["states"]["planning"]
+    ends = [{"on": ["succeeded", "unclear", "refused", "rejected"], "to": "refused"}]
+    plain["states"]["planning"] = {"read": "request", "over": "objects", "into": "reading", "transitions": ends}
+    plain["states"]["moving"] = planning
+    chart = Chart(Mission.model_validate(plain))
+    chart.write("objects", {"things": 3}, 0.0)
+    (written,) = (value for key, value in chart.start(0.0).writes if key == "reading")
+    assert written["about"] == "what is seen cannot be read: /things: 3 is not a list; write […]"
+
+
+def test_an_empty_goal_of_the_mission_is_none_yet() -> None:
+    assert "unreadable-goal" not in rules(mission(wanted={"type": "object", "initial": {}}))
+
+
+@pytest.mark.parametrize(
     ("request_", "is_asked"),
     [
         ("put the red cube on the blue cube", True), ("red on blue, please", True), ("stack the cubes", True),

@@ -19,10 +19,14 @@ def _planned(wanted: Any, seen: Any, *, asked: Any = "", refused: Any = False, l
     from rai_missions.planning.sentences import refusal_sentence
 
     language, avoided = _language(str(asked)), avoided_after(last) if refused is True else ()
+    sentence = "unreadable"
     try:
-        goal, scene = read_goal(wanted), read_scene(seen)
-    except DefinitionError:
-        found: Found | Refusal = Refusal("unreadable", refusal_sentence("unreadable", language=language))
+        goal = read_goal(wanted)
+        sentence = "unreadable_sight"
+        scene = read_scene(seen)
+    except DefinitionError as error:
+        why = refusal_sentence(sentence, (error.faults[0],), language=language)
+        found: Found | Refusal = Refusal("unreadable", why)
     else:
         found = goal if isinstance(goal, Refusal) else planned(goal, scene, language=language, avoided=avoided)
     value = plan_data(found, avoided)

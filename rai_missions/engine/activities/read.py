@@ -21,8 +21,9 @@ def _read(request: Any, seen: Any, last: Any) -> ComputedResult:
     offered = last.get("candidates") if isinstance(last, Mapping) else None
     try:
         value = read_answer(str(request), offered or (), read_scene(seen))
-    except DefinitionError:
-        value = reading_data(RequestReading(reason="unreadable", about="what is seen cannot be read"))
+    except DefinitionError as error:
+        why = f"what is seen cannot be read: {error.faults[0]}"
+        value = reading_data(RequestReading(reason="unreadable", about=why))
     outcome = "succeeded" if value["goal"] is not None else "unclear" if value["question"] else "refused"
     return ComputedResult(outcome, value, value["about"])
 
