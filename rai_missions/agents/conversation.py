@@ -124,6 +124,11 @@ class ConversationalAgent:
         values = {"doors open": ", ".join(self._doors.open) or "none", "sentences waiting": str(self._waiting)}
         return AgentHealth(state, self._doors.fault if state == "running" else "", values)
 
+    @property
+    def is_reachable(self) -> bool:
+        """Whether it runs, and a person may be reached at a door."""
+        return self._worker.is_alive and self._doors.is_open
+
     # -- the run ---------------------------------------------------------------------------------------------
 
     def attach(self, runner: Runner, journal: NoteSink | None = None) -> None:

@@ -12,7 +12,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from rai_missions.agents.run_config import RunConfig
+from rai_missions.agents.run_config import RunConfig, given_config
 from rai_missions.agents.run_environment import RunEnvironment, open_environment
 from rai_missions.agents.run_plan import CleanupStack, RunPlan, read_plan
 from rai_missions.connectors.connector import Connector, SupportsRawMessages
@@ -25,7 +25,7 @@ from rai_missions.mission.files import dump
 from rai_missions.mission.garbage import few_collections
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, dump_profile
-from rai_missions.redaction import Redaction, logger, shown
+from rai_missions.redaction import Redaction, logger
 from rai_missions.runtime.arguments import accepted
 from rai_missions.runtime.clock import Clock
 from rai_missions.runtime.run_options import NewRun, RunObserver
@@ -135,10 +135,8 @@ def prepare(config: RunConfig) -> PreparedRun:
         DefinitionError: The mission or the profile is at fault, every fault at once.
         UsageError: Something named is not there, or it is no `RunConfig`.
     """
-    if not isinstance(config, RunConfig):
-        raise UsageError(f"a run is prepared of a RunConfig, not {shown(config)}; write RunConfig(mission, robot)")
     with CleanupStack() as closing:
-        plan = read_plan(config, closing)
+        plan = read_plan(given_config(config), closing)
         environment = open_environment(plan, closing)
         answerers, packages = _open_answerers(plan, environment.connector, environment.clock, closing)
         environment = environment._replace(packages={**environment.packages, **packages})

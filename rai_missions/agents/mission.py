@@ -6,23 +6,30 @@ from __future__ import annotations
 import threading
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rai_missions.agents.agent import AgentHealth
 from rai_missions.agents.launch import PreparedRun, prepare, prepare_next
 from rai_missions.agents.run_claims import claiming
-from rai_missions.agents.run_config import RunConfig
+from rai_missions.agents.run_config import RunConfig, given_config
 from rai_missions.connectors.connector import Connector
 from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
 from rai_missions.redaction import logger
+from rai_missions.runtime.run_options import RunObserver
 from rai_missions.runtime.runner import Result
+
+if TYPE_CHECKING:
+    from rai_missions.agents.conversation import ConversationalAgent
 
 log = logger(__name__)
 
 MOMENT_S = 3.0
 """For what is closed after a run."""
+
+TALK_S = 7.0
+"""For the report of the end where a person may be reached."""
 
 __all__ = ("MissionAgent", "PreparedRun", "RunConfig", "prepare", "prepare_next", "run")
 
@@ -50,11 +57,18 @@ def _run(prepared: PreparedRun) -> Result:
 
 
 class MissionAgent:
-    """The paper's Agent around a run: `run()` begins it on a thread of its own, `stop()` cancels it and waits."""
+    """The paper's Agent around a run: `run()` begins it on a thread of its own, `stop()` cancels it and waits.
 
-    def __init__(self, config: RunConfig) -> None:
-        self._config, self._prepared = config, prepare(config)
-        self._is_closed = False
+    Args:
+        config: The run.
+        talk: Who talks with people about it; an agent of its own, which begins before this one and stops after it.
+    """
+
+    def __init__(self, config: RunConfig, *, talk: ConversationalAgent | None = None) -> None:
+        config = given_config(config)
+        self._config = config if talk is None else config.observed_by(RunObserver(talk.step, talk.changed))
+        self._talk = talk
+        self._prepare()
         self._thread: threading.Thread | None = None
         self.result: Result | None = None
         """How it ended; None until then, and where it broke off."""
@@ -65,7 +79,7 @@ class MissionAgent:
         """Begin; returns at once. A run that has begun is not begun again."""
         if self._thread is None:
             if self._is_closed:
-                self._prepared, self._is_closed = prepare(self._config), False
+                self._prepare()
             self._thread = threading.Thread(target=self._work, name="mission")
             self._thread.start()
 
@@ -97,11 +111,19 @@ class MissionAgent:
     @property
     def stop_s(self) -> float:
         """As long as the mission may take to bring the robot to rest, and a moment."""
-        return self._prepared.mission.cancel_s + MOMENT_S
+        return self._prepared.mission.cancel_s + MOMENT_S + (TALK_S if self._talk is not None else 0)
+
+    def _prepare(self) -> None:
+        self._prepared, self._is_closed = prepare(self._config), False
+        if self._talk is not None:
+            self._talk.attach(self._prepared.runner, self._prepared.journal)
 
     def _work(self) -> None:
         try:
-            self.result = _run(self._prepared)
+            result = _run(self._prepared)
+            if self._talk is not None and self._talk.is_reachable:
+                self._talk.conclude()
+            self.result = result
         except Exception as error:
             log.exception("the run broke off")
             self.error = error

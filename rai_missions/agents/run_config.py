@@ -14,8 +14,10 @@ from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.engine import Named
 from rai_missions.engine.decision import Answerer
 from rai_missions.engine.step import Step
+from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, RobotProgram
+from rai_missions.redaction import shown
 from rai_missions.runtime.clock import Clock
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.run_options import RunObserver
@@ -24,7 +26,7 @@ from rai_missions.validation_errors import check_given, given_names, given_path
 if TYPE_CHECKING:
     from langchain_core.language_models import BaseChatModel
 
-__all__ = ("RunConfig",)
+__all__ = ("RunConfig", "given_config")
 
 MAPPINGS = {"arguments": "values", "answerers": "answerers", "named": "predicates", "programs": "the SHA-256 of a file"}
 """A field of `RunConfig` that maps names → to what."""
@@ -115,3 +117,14 @@ class RunConfig:
         if self.journal is not None:
             return Path(self.journal)
         return Path(self.record).with_suffix(".journal") if self.record is not None else None
+
+
+def given_config(config: object) -> RunConfig:
+    """What a run is prepared of.
+
+    Raises:
+        UsageError: It is no `RunConfig`.
+    """
+    if not isinstance(config, RunConfig):
+        raise UsageError(f"a run is prepared of a RunConfig, not {shown(config)}; write RunConfig(mission, robot)")
+    return config

@@ -12,10 +12,13 @@ from typing import Any
 
 import pytest
 
+from rai_missions.agents.conversation import ConversationalAgent
 from rai_missions.agents.mission import MissionAgent, RunConfig, prepare, prepare_next, run
+from rai_missions.agents.runner import AgentRunner
+from rai_missions.agents.talk.doors import TextDoor
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.event import Event
-from rai_missions.journal import verify
+from rai_missions.journal import read, verify
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
 from rai_missions.runtime.clock import WallClock
@@ -146,6 +149,37 @@ def test_a_journal_is_never_written_over(tmp_path: Path) -> None:
 
 def test_the_agent_runs_and_stops_as_agents_do() -> None:
     check_agent(lambda: MissionAgent(RunConfig(Mission.model_validate(WAITING), robot())))
+
+
+@pytest.mark.parametrize("is_read", [True, False])
+def test_a_mission_with_a_conversation_keeps_the_contract_whether_or_not_a_person_reads(is_read: bool) -> None:
+    talk = ConversationalAgent(doors=[TextDoor("terminal", lambda line: None, lambda: is_read)])
+    talk.run()
+    check_agent(lambda: MissionAgent(RunConfig(Mission.model_validate(WAITING), robot()), talk=talk))
+    talk.stop()
+
+
+def test_people_talk_about_the_run_of_an_agent_and_are_reported_its_end(tmp_path: Path) -> None:
+    lines: list[str] = []
+    talk = ConversationalAgent(doors=[TextDoor("terminal", lambda line: lines.append(line.text))])
+    is_running = threading.Event()
+    config = RunConfig(
+        Mission.model_validate(WAITING), robot(), journal=tmp_path / "run.journal",
+        on_status=lambda status: is_running.set() if status.mode == "running" else None,
+    )  # fmt: skip
+    mission = MissionAgent(config, talk=talk)
+    both = AgentRunner({"talk": talk, "mission": mission})
+    both.run()
+    assert is_running.wait(5)
+    assert talk.receive("what are you doing?", role="operator", channel="terminal") == ""
+    talk.wait_answered(5)
+    assert lines[-1] == "The mission 'waiting' is running, in the state 'idle'."
+    both.stop()
+    assert lines[-1] == "The mission 'waiting' was canceled: canceled by stop."
+    assert mission.result is not None and mission.result.outcome == "canceled"
+    with read(tmp_path / "run.journal") as record:
+        rows = str(list(record.notes()))
+    assert "what are you doing?" in rows and lines[-1] in rows
 
 
 def test_an_agent_that_is_stopped_has_canceled_its_mission(tmp_path: Path) -> None:
