@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every fault of a mission at once, before a robot moves: rules over the graph, one file a family.
 
-Imports `guards`, `mission`, `model` and `states`, and the modules of the root.
+Imports `guards`, `mission`, `model`, `planning` and `states`, and the modules of the root.
 """
 
 from rai_missions.check.files import CheckedFile, FileFinding, check_file, errors_of, load_whole
