@@ -8,8 +8,10 @@ from typing import Any
 import pytest
 
 from benchmarks.bench_draw import chain
+from rai_missions.engine import Chart
 from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
+from rai_missions.testing import let_time_pass
 from tests.browser.conftest import Open, until
 from tests.browser.test_chart import MEETING, NEARER, SPILLED
 from tests.visualize.runs import ROOT, tractor, tractor_path
@@ -223,6 +225,40 @@ def test_on_a_phone_the_top_level_is_read_and_what_is_active_is_opened(opened: O
     played = opened(review(tractor(), runs=[run_of_steps(tractor_path())]), viewport=PHONE)
     active = played.evaluate("[...review.chart.state.active]")
     assert all(played.locator(f"[data-state={name}]").count() for name in active)
+
+
+@pytest.mark.parametrize("regions", range(2, 9))
+def test_on_a_phone_what_is_active_is_in_view_however_many_regions_are_opened(opened: Open, regions: int) -> None:
+    names = [f"region{number}" for number in range(regions)]
+    mission = Mission.model_validate(
+        {
+            "name": "regions",
+            "initial": "both",
+            "states": {
+                "both": {
+                    "parallel": {
+                        name: {
+                            "initial": f"{name}_a",
+                            "states": {
+                                f"{name}_a": {"transitions": [{"after_s": 1, "to": f"{name}_b"}]},
+                                f"{name}_b": {"transitions": [{"after_s": 1, "to": f"{name}_a"}]},
+                            },
+                        }
+                        for name in names
+                    },
+                    "transitions": [{"after_s": 9, "to": "over"}],
+                },
+                "over": {"final": "aborted"},
+            },
+        }
+    )
+    chart = Chart(mission)
+    steps = [chart.start(0.0), *let_time_pass(chart, 2.0)]
+    window = opened(review(mission, runs=[run_of_steps(steps)]), viewport=PHONE)
+    for _ in steps:
+        seen = window.evaluate("[...review.chart.state.active].filter((name) => review.chart.isSeen(name))")
+        assert {*seen} & {f"{name}_{end}" for name in names for end in "ab"}
+        window.keyboard.press(".")
 
 
 @pytest.mark.parametrize(

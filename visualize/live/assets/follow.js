@@ -30,7 +30,7 @@ class Follower {
     const at = inner.join(" ");
     if (!this.on || !inner.length || at === this.at) return;
     this.at = at;
-    for (const name of inner) this.chart.reveal(name);
+    this.chart.reveal(inner);
     if (this.zoomed) this.chart.center(inner[0]);
     else this.chart.frame(inner);
   }

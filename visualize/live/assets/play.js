@@ -134,7 +134,7 @@ class PlayPage {
       .filter((name) => !(this.chart.model.children.get(name) || []).some((child) => active.has(child)));
     if (!inner[0] || inner[0] === this.followed) return;
     this.followed = inner[0];
-    this.chart.reveal(inner[0]);
+    this.chart.reveal([inner[0]]);
     if (!this.chart.isSeen(inner[0], true)) this.chart.center(inner[0]);
   }
 

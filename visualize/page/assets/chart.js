@@ -88,11 +88,14 @@ class Chart {
   }
 
   /** Opens or closes states; what `still` names stays where it is on the screen. */
-  change(act, still) {
+  change(act, still, then = () => {}) {
     const before = still ? this.place(still) : null;
     act(this.open);
     this.plans = this.planned();
-    if (before) this.draw((plans, room) => plans.making(this.level, this.turned, room), () => this.held(still, before));
+    if (before) this.draw((plans, room) => plans.making(this.level, this.turned, room), () => {
+      this.held(still, before);
+      then();
+    });
     else this.fit(READABLE);
   }
 
@@ -121,10 +124,18 @@ class Chart {
     this.change((open) => open.clear());
   }
 
-  /** Opens what is around a state, so that it is seen. */
-  reveal(name) {
-    const around = this.model.chain(name).slice(0, -1).filter((each) => !this.open.has(each));
-    if (around.length) this.change((open) => around.forEach((each) => open.add(each)), around[0]);
+  /** Opens what is around states, so that they are seen. */
+  reveal(names, then = () => {}) {
+    const closed = new Set(names.flatMap((name) => this.model.chain(name).slice(0, -1))
+      .filter((each) => !this.open.has(each)));
+    const [first] = closed;
+    if (first) this.change((open) => closed.forEach((each) => open.add(each)), first, then);
+  }
+
+  /** On a phone, where little is open: reveals what is active, and the innermost stays in the window. */
+  revealActive() {
+    const active = [...this.state.active], last = active[active.length - 1];
+    this.reveal(active, () => this.isSeen(last) || this.gestures.bring(this.place(last), this.room().margin / 2));
   }
 
   /** Draws the layout that `plan` makes; a large one in parts, with its progress shown, while the page is used. */
@@ -275,7 +286,7 @@ class Chart {
     const counted = Boolean(this.state.counts);
     const state = Object.assign(this.state, given);
     if (Boolean(state.counts) !== counted) this.recount();
-    if (given.active && this.isNarrow()) given.active.forEach((name) => this.reveal(name));
+    if (given.active && this.isNarrow()) this.revealActive();
     const { lens, active, taken, counts, found } = state;
     this.svg.classList.toggle("dimming", Boolean(lens));
     this.svg.classList.toggle("playing", Boolean(counts));
@@ -330,7 +341,7 @@ class Chart {
 
   /** To a state, wherever it is. */
   goTo(name) {
-    this.reveal(name);
+    this.reveal([name]);
     this.center(name);
   }
 
