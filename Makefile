@@ -37,7 +37,7 @@ desk: .venv/.ready-run ## A request typed at a desk, REQUEST="stack the cubes": 
 	@$(BIN)/python scripts/desk.py $(if $(REQUEST),"$(REQUEST)") --scene missions/desk/scenes/cubes.json --pictures out
 
 campaign: .venv/.ready-run ## Rules, constants and scripts in twelve scenes of the orchard, each answer judged by physics; the report in out/
-	@mkdir -p out
+	@mkdir -p out && rm -f out/quick.db # the answers of an earlier version would be refused
 	@$(BIN)/rai-missions campaign run campaigns/quick.json --store out/quick.db --report out/quick.html
 
 tractor_ANSWERERS = rules oracle constant:drive_over constant:replan constant:signal constant:abort hostile misled
