@@ -18,7 +18,7 @@ GAP_M = 0.002
 """Between a finger and a neighbour."""
 OPEN_M = 0.007
 """Between a finger and the thing, before it closes."""
-TIP_M, TIP_WIDE_M, TIP_DOWN_M = 0.011, 0.019, 0.0195
+TIP_M, TIP_WIDE_M, TIP_DOWN_M = 0.011, 0.019, 0.009
 """How thick and how wide a tip is, and how far below the thing's centre it reaches."""
 FINGER_M, FINGER_WIDE_M, FINGER_UP_M = 0.026, 0.023, 0.017
 """The finger's upper part, and how far above the centre it begins."""

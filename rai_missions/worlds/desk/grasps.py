@@ -16,7 +16,7 @@ from rai_missions.worlds.desk.footprints import SeenThing, Slab, overlap, slabs
 from rai_missions.worlds.desk.kinematics import ToolPose
 from rai_missions.worlds.desk.panda.model import MAX_WIDTH_M, TIP_BELOW_TCP_M
 
-__all__ = ("Grasp", "HeldThing", "grasps", "releases", "standing_on", "too_wide")
+__all__ = ("Grasp", "HeldThing", "grasps", "hand_parts", "releases", "standing_on", "too_wide")
 
 GAP_M = 0.002
 """Between a finger and a neighbour, beyond the camera's noise."""
