@@ -13,6 +13,7 @@ from rai_missions.conversation.arguments import IN_WORDS
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.settings import ORDERS
 from rai_missions.conversation.view import KeyView, StatusView
+from rai_missions.engine.decision import Offer
 from rai_missions.keys import Key, type_error
 from rai_missions.mission.option_parameters import parameter_faults
 
@@ -35,9 +36,16 @@ def order_forms(view: StatusView, allowed: frozenset[str]) -> tuple[Mapping[str,
     for question in view.questions if "answer" in allowed else ():
         which = {"question": {"const": question.number}} if len(view.questions) > 1 else {}
         for offer in question.options:
-            optional = {"parameters": dict(offer.parameters)} if offer.parameters else {}
-            forms.append(_form({"order": {"const": "answer"}, **which, "option": {"const": offer.name}}, **optional))
+            forms.append(_answer_form({"order": {"const": "answer"}, **which, "option": {"const": offer.name}}, offer))
     return tuple(forms)
+
+
+def _answer_form(fields: Mapping[str, Any], offer: Offer) -> Mapping[str, Any]:
+    if not offer.parameters:
+        return _form(fields)
+    parameters = {"parameters": dict(offer.parameters)}
+    has_to_have = bool(parameter_faults(offer.parameters, {}))
+    return _form({**fields, **parameters}) if has_to_have else _form(fields, **parameters)
 
 
 def _argument_schema(key: KeyView) -> Mapping[str, Any]:
