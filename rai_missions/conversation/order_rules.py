@@ -39,7 +39,7 @@ def why_not_permitted(order: str, role: Role, channel: str, settings: Settings, 
 
 def where_to_order(settings: Settings, language: Language) -> str:
     """The channels at which an operator is met, in words."""
-    return language.listed([language.word("channels", each) for each in settings.answer_at], "or")
+    return language.listed([language.word("operator_channels", each) for each in settings.answer_at], "or")
 
 
 def is_request(sense: Sense, view: StatusView) -> bool:

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -19,7 +21,7 @@ from rai_missions.image import Image
 from rai_missions.profile.convert import pose_message
 from rai_missions.worlds import open_world
 from rai_missions.worlds.contract import check_world
-from rai_missions.worlds.house.layout import PLACES
+from rai_missions.worlds.house.layout import DOORS, FURNITURE, PLACES, ROOMS, SPOTS
 from tests.worlds.conftest import closing
 
 pytestmark = pytest.mark.sim
@@ -320,3 +322,15 @@ def test_its_camera_shows_the_room(visit: Any) -> None:
 def test_an_option_that_is_wrong_is_reported(options: dict[str, Any], why: str) -> None:
     with pytest.raises(UsageError, match=why):
         open_world("house", **options)
+
+
+def test_the_guide_has_the_map_of_the_house() -> None:
+    guide = (Path(__file__).parents[2] / "docs/guide/house.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| ([a-z ]+) \| `([\d., ]+)` \|$", guide, re.MULTILINE)
+    assert {name: tuple(map(float, edges.split(", "))) for name, edges in rows} == {
+        name: box[:4] for name, box in {**ROOMS, **FURNITURE}.items()
+    }
+    doors = re.findall(r"`([a-z_]+)`\s([\d.]+), ([\d.]+)[;.]", guide)
+    assert {name: (float(x), float(y)) for name, x, y in doors} == DOORS
+    (spots,) = re.findall(r"Spots for objects are ([^.]+)\.", guide)
+    assert re.findall(r"`([a-z_]+)`", spots) == [*SPOTS]

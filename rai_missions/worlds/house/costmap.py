@@ -72,6 +72,12 @@ class Costmap:
         """Whether the robot could be there, as far as the map goes."""
         return self.is_inside(x, y) and not self._map_blocked[self.cell(x, y)]
 
+    def nearest_free(self, x: float, y: float) -> tuple[float, float]:
+        """The free place on the map that is nearest to a point, in steps of 0.1 m."""
+        xs, ys = (range(10 * math.ceil(metres)) for metres in (WIDTH_M, DEPTH_M))
+        free = ((at / 10, up / 10) for at in xs for up in ys if self.is_free_on_the_map(at / 10, up / 10))
+        return min(free, key=lambda place: math.dist(place, (x, y)))
+
     def look(self, place: tuple[float, float], angles: NDArray[np.float64], ranges: NDArray[np.float64]) -> None:
         """Enter a scan: what a beam passes is free, where it ends something is.
 

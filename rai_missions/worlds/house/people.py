@@ -116,7 +116,9 @@ def point(stop: str | Sequence[float]) -> Point:
     except (TypeError, ValueError):
         raise UsageError(f"people: {stop!r} is no place; give a name, or x and y") from None
     if not _map().is_free_on_the_map(x, y):
-        raise UsageError(f"people: ({x:g}, {y:g}) is in a wall, in furniture or outside")
+        near = _map().nearest_free(x, y)
+        where = f"the nearest free place is ({near[0]:g}, {near[1]:g})"
+        raise UsageError(f"people: ({x:g}, {y:g}) is in a wall, in furniture or outside; {where}")
     return x, y
 
 
