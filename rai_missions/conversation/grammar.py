@@ -83,6 +83,10 @@ class Grammar:
         is_short = 0 < len(words) <= MOST_WORDS
         return option.free(words) if option is not None and is_short and not text.rstrip().endswith("?") else None
 
+    def question_by_sense(self, text: str, view: StatusView) -> Sense | None:
+        """What a sentence without another meaning asks in words of its own; None where it asks for no state."""
+        return self.sentence.question_by_sense(text, view)
+
     def answers_by_sense(self, text: str, view: StatusView) -> tuple[Sense, ...]:
         """What a sentence without another meaning answers in words of its own, to be read back."""
         return tuple(self.sentence.answers_by_sense(text, view))

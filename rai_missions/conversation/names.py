@@ -11,8 +11,10 @@ from rai_missions.conversation.view import KeyView, MissionView, StatusView
 from rai_missions.engine.decision import Offer
 from rai_missions.planning.text.numbers import ordinal
 
-__all__ = ("NamedOption", "called", "key_named", "missions_named", "option_named", "option_place")
+__all__ = ("NamedOption", "called", "key_named", "key_within", "missions_named", "option_named", "option_place")
 
+LONGEST_NAME = 3
+"""Words of the longest name of a key that is looked for in a sentence."""
 SHORTEST = 4
 """Letters of a word that alone may mean a key by its `about`."""
 
@@ -54,6 +56,21 @@ def key_named(words: Sequence[str], view: StatusView, language: Language, *, str
     reported = [key for key in view.keys.values() if key.source != "argument"]
     about = [key.name for key in reported if set(bare) <= set(language.normaliser.words(key.about))]
     return about[0] if not within and len(about) == 1 else ""
+
+
+def key_within(words: Sequence[str], view: StatusView, language: Language) -> str:
+    """The path of the key that some of the words are the whole name of, the longest name first; empty without one.
+
+    Args:
+        words: Of a sentence.
+        view: The run.
+        language: Whose articles, units and aliases count.
+    """
+    for size in range(LONGEST_NAME, 0, -1):
+        for at in range(len(words) - size + 1):
+            if path := key_named(words[at : at + size], view, language, strict=True):
+                return path
+    return ""
 
 
 def missions_named(words: Sequence[str], view: StatusView, language: Language) -> list[MissionView]:

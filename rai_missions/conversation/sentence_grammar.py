@@ -110,6 +110,10 @@ class SentenceGrammar:
         ways = [words, *self._corrections.instead(words)] if words and len(words) <= MOST_MENDED else []
         return any(self._answers.fits(each, questions) for each in ways)
 
+    def question_by_sense(self, text: str, view: StatusView) -> Sense | None:
+        """What a sentence asks in words of its own."""
+        return self._questions.by_sense(text, view)
+
     def answers_by_sense(self, text: str, view: StatusView) -> list[Sense]:
         """What a sentence answers in words of its own, to be read back; several where it may be several."""
         return self._answers.by_sense(text, view)

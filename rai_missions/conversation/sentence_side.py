@@ -187,6 +187,9 @@ class SentenceSide:
         if senses := self._answered_by_sense(utterance):
             return senses
         senses = self._suggestions.suggested(cut(utterance.text, LONGEST_READ), self._talk.view)
+        if not senses and not faults:
+            asked = self._grammar.question_by_sense(cut(utterance.text, LONGEST_READ), self._talk.view)
+            return (asked,) if asked is not None else ()
         if not senses or any(not each.lacks or set(each.lacks) - senses[-1].arguments.keys() for each in faults):
             return ()
         is_order = senses[-1].kind == "order"

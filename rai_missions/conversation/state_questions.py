@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from rai_missions.conversation.language import Language
-from rai_missions.conversation.names import key_named
+from rai_missions.conversation.names import key_named, key_within
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.view import StatusView
 
@@ -40,6 +40,23 @@ class StateQuestions:
             for slots in phrases.match(words)
         )
         return next(filter(None, read), None)
+
+    def by_sense(self, text: str, view: StatusView) -> Sense | None:
+        """The question in a clause that asks in words of its own, by what it asks for; None in any other sentence."""
+        for clause in self._language.normaliser.remarks(text):
+            words = next(self._language.normaliser.openings(self._language.normaliser.words(clause)), [""])
+            is_asked = self._is_asking(words) or clause.rstrip().endswith("?")
+            for name, phrases in self._language.question_senses.items() if is_asked else ():
+                path = key_within(words, view, self._language) if name == "key" else ""
+                if phrases.within(words) and (path or name != "key"):
+                    return Sense("question", name, key=path)
+        return None
+
+    def _is_asking(self, words: Sequence[str]) -> bool:
+        """Whether a clause begins with a word that asks, `where`, or a preposition and such a word: `in which`."""
+        data = self._language.data
+        is_within = len(words) > 1 and words[0] in data["prepositions"]
+        return words[is_within] in data["asking"]
 
     def _read(self, name: str, slots: Mapping[str, str], words: list[str], view: StatusView) -> Sense | None:
         """The question of that name, where its slots name a thing or a key that there is."""

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 from rai_missions.conversation.language import Language
-from rai_missions.conversation.names import key_named
+from rai_missions.conversation.names import key_named, key_within
 from rai_missions.conversation.state_answers import StateAnswers
 from rai_missions.conversation.values import key_sentence
 from rai_missions.conversation.view import StatusView
@@ -20,8 +20,6 @@ __all__ = ("UnreadAnswers",)
 SentenceKind = Literal["question", "statement", "other"]
 LEAST_WORDS = 2
 """Words of the shortest statement."""
-LONGEST_NAME = 3
-"""Words of the longest name of a fact that is looked for in a question."""
 OPENINGS = {"question": "unknown", "statement": "statement", "other": "unread"}
 """Kind of a sentence → the text that an answer to it begins with."""
 
@@ -73,10 +71,8 @@ class UnreadAnswers:
 
     def _asked(self, words: Sequence[str], view: StatusView) -> str:
         """The fact that a question names, or the robot's own state, where the question is put to it; else nothing."""
-        for size in range(LONGEST_NAME, 0, -1):
-            for at in range(len(words) - size + 1):
-                if path := key_named(words[at : at + size], view, self._language, strict=True):
-                    return key_sentence(path, view.keys, self._language)
+        if path := key_within(words, view, self._language):
+            return key_sentence(path, view.keys, self._language)
         return self._answers.status(view) if set(words) & set(self._language.data["addressing"]) else ""
 
     def _reported(self, subject: Sequence[str], view: StatusView) -> str:
