@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import re
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Protocol, Self, TypeVar, get_args, get_origin
@@ -15,11 +16,12 @@ from typing import Annotated, Any, Protocol, Self, TypeVar, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from rai_missions.errors import DefinitionError, Fault, UsageError, pointer, suggestion
+from rai_missions.event import Event
 from rai_missions.redaction import shown
 
 __all__ = (
-    "KEY", "check_given", "faults_of", "given_names", "given_path", "model_at", "place_of", "refusals", "validated",
-    "words_of",
+    "KEY", "check_event", "check_given", "check_seconds", "faults_of", "given_names", "given_path", "model_at",
+    "place_of", "refusals", "validated", "words_of",
 )  # fmt: skip
 
 MOST = 1000
@@ -293,6 +295,8 @@ def _misnamed(given: str, pattern: str) -> str:
 def check_given(given: object, kinds: type | tuple[type, ...], taker: str, wanted: str, remedy: str = "") -> None:
     """Refuse what is of no kind that a function takes.
 
+    True is no number, and a class is no instance of the protocol whose methods it has.
+
     Args:
         given: What a program gave.
         kinds: The classes that it may be of.
@@ -303,8 +307,42 @@ def check_given(given: object, kinds: type | tuple[type, ...], taker: str, wante
     Raises:
         UsageError: It is of none.
     """
-    if not isinstance(given, kinds):
+    if not _is_of(given, kinds if isinstance(kinds, tuple) else (kinds,)):
         raise UsageError(f"{taker} takes {wanted}, not {shown(given)}{f'; {remedy}' if remedy else ''}")
+
+
+def _is_of(given: object, kinds: tuple[type, ...]) -> bool:
+    if isinstance(given, bool):
+        return bool in kinds
+    is_protocol = any(Protocol in each.__bases__ for each in kinds)
+    return isinstance(given, kinds) and not (is_protocol and isinstance(given, type))
+
+
+def check_seconds(given: object, taker: str) -> None:
+    """Refuse what is no instant on a run's clock; see `check_given`.
+
+    Raises:
+        UsageError: It is no number, or none that a clock shows.
+    """
+    check_given(given, (int, float), taker, "seconds, as a number")
+    assert isinstance(given, int | float)
+    if not abs(given) <= sys.float_info.max:
+        raise UsageError(f"{taker} takes a finite number of seconds, not {shown(given)}")
+
+
+def check_event(given: object, taker: str) -> None:
+    """Refuse what is no event, or one whose fields are of other types; see `check_given`.
+
+    Raises:
+        UsageError: It is none, or a field of it is at fault.
+    """
+    if not isinstance(given, Event):
+        raise UsageError(f"{taker} is sent an Event, not {shown(given)}; write Event('go', at=3.2)")
+    check_given(given.name, str, "the name of an event", "text")
+    check_seconds(given.at, f"the time of '{given.name}'")
+    check_given(given.data, Mapping, "the data of an event", "a mapping of fields to values")
+    check_given(given.kind, str, "the kind of an event", "text")
+    check_given(given.number, int, "the number of an event", "a whole number")
 
 
 def given_path(given: Any, taker: str) -> Path:

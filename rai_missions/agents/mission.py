@@ -68,6 +68,8 @@ class MissionAgent:
         config = given_config(config)
         self._config = config if talk is None else config.observed_by(RunObserver(talk.step, talk.changed))
         self._talk = talk
+        self._closes = False
+        """Whether the end of the run closes everything."""
         self._prepare()
         self._thread: threading.Thread | None = None
         self.result: Result | None = None
@@ -84,10 +86,19 @@ class MissionAgent:
             self._thread.start()
 
     def stop(self) -> None:
-        """Cancel, and wait until everything has ended."""
+        """Cancel, and wait until everything has ended.
+
+        Called by what follows the run (`on_step`, `on_status`), it returns at once: the run's end closes everything.
+        """
         if self._thread is not None and self._thread.is_alive():
             self._prepared.runner.cancel("stop")
+            if self._thread is threading.current_thread():
+                self._closes = True
+                return
             self._thread.join()
+        self._close()
+
+    def _close(self) -> None:
         self._prepared.close()
         self._is_closed = True
 
@@ -127,3 +138,5 @@ class MissionAgent:
         except Exception as error:
             log.exception("the run broke off")
             self.error = error
+        if self._closes:
+            self._close()

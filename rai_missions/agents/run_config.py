@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from rai_missions.connectors.connector import Connector
 from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.engine import Named
-from rai_missions.engine.decision import Answerer
+from rai_missions.engine.decision import Answerer, check_answerers
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
@@ -86,7 +86,7 @@ class RunConfig:
         """Hold what is given to its types.
 
         Raises:
-            UsageError: A path, a mapping, a flag or a function is none.
+            UsageError: A field is of another type.
         """
         for word in ("journal", "record", "resume"):
             if getattr(self, word) is not None:
@@ -96,6 +96,10 @@ class RunConfig:
                 given_names(getattr(self, word), word, of)
         check_given(self.waits, bool, "waits", "True or False")
         check_given(self.seed, (int, NoneType), "seed", "a whole number")
+        check_given(self.model_memory_gib, (int, float), "model_memory_gib", "a number of GiB")
+        check_given(self.operator, (Answerer, NoneType), "operator", "an answerer")
+        check_given(self.clock, (Clock, NoneType), "clock", "a clock")
+        check_answerers(self.answerers)
         for word in ("on_step", "on_status"):
             check_given(getattr(self, word), (Callable, NoneType), word, "a function")  # type: ignore[arg-type]
         for word in ("connector", "opened"):

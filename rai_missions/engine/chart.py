@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from math import inf
+from types import NoneType
 from typing import Any
 
 from rai_missions.engine import short_way, snapshot
@@ -23,7 +24,7 @@ from rai_missions.engine.hold import held_by, holder_of, live, waiting_answers
 from rai_missions.engine.modes import Mode
 from rai_missions.engine.nodes import Written
 from rai_missions.engine.program import Named
-from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.engine.robot_facts import RobotFacts, check_facts
 from rai_missions.engine.snapshot import Snapshot
 from rai_missions.engine.state import copied
 from rai_missions.engine.step import Cause, Step
@@ -35,10 +36,9 @@ from rai_missions.event import Event
 from rai_missions.guards.guard import View
 from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission, given_mission
-from rai_missions.redaction import clipped, shown
 from rai_missions.states.final import FinalOutcome
 from rai_missions.states.state import Holder
-from rai_missions.validation_errors import check_given, given_names
+from rai_missions.validation_errors import check_event, check_given, check_seconds, given_names
 
 __all__ = ("NOT_STARTED", "Chart", "Named", "Snapshot")
 
@@ -65,6 +65,8 @@ class Chart:
         named: Named | None = None, surroundings: Surroundings | None = None,
     ) -> None:  # fmt: skip
         given_mission(mission, "a chart")
+        check_given(ticker, (Trees, NoneType), "ticker", "what compiles trees", "PyTrees() is one")
+        check_facts(terms)
         if named is not None:
             given_names(named, "named", "predicates")
         self.program = compiled(mission, ticker, facts=terms, named=named, surroundings=surroundings)
@@ -101,7 +103,7 @@ class Chart:
         Raises:
             UsageError: It was started before, or is paused; or the time is no number.
         """
-        check_given(at, (int, float), "start", "seconds, as a number")
+        check_seconds(at, "start")
         if not self.unstarted:
             raise UsageError(f"the mission was started before; it is {self.mode}")
         if self.held_back:
@@ -125,6 +127,8 @@ class Chart:
         if not isinstance(name, str) or name not in self.program.keys:
             check_given(name, str, "write", "the name of a key")
             raise UsageError(f"the mission has no key '{key}'{suggestion(key, self.program.keys)}")
+        if stamp is not None:
+            check_seconds(stamp, "stamp")
         data = {"value": value} if stamp is None else {"value": value, "stamp": stamp}
         return self.send(_new(Event, (key, self.state.at if at is None else at, data, "write", 0)))
 
@@ -142,8 +146,9 @@ class Chart:
             why: The reason, for people.
             at: When the answer arrives, in seconds on the run's clock; now, if nothing else is given.
         """
+        given = given_names({} if parameters is None else parameters, "parameters", "values")
         asked = next((question.asked for question in self.questions if question.number == number), "")
-        data = {"option": option, "parameters": dict(parameters or {})} | ({"why": why} if why else {})
+        data = {"option": option, "parameters": dict(given)} | ({"why": why} if why else {})
         return self.send(Event(by or asked, self.at if at is None else at, data, "proposal", number))
 
     def send(self, event: Event) -> Step:
@@ -155,42 +160,43 @@ class Chart:
         Raises:
             UsageError: Its time is not a finite number of seconds, or it is no event.
         """
-        state = self.state
         try:
+            state = self.state
             name, at, data, kind, _ = event
-        except (TypeError, ValueError):
-            raise _no_event(event) from None
-        if not state.quick or kind != "event" or not -inf < at < state.wake:
-            if kind == "write" and state.quick and -inf < at < state.wake:
-                return short_way.reading(self.program, state, event)
-            if not isinstance(event, Event):
-                raise _no_event(event)
-            return make_step(self.program, state, event)
-        direct = state.config.direct.get(name)
-        if direct is None:
-            return short_way.step(self.program, state, event)
-        if at > state.at:
-            state.at = at
-        state.event = data
-        test, looked, leap = direct
-        if test is not None and (value := test(state)) is not True:
-            return short_way.value(state, event, (), ((looked[0][0], value),))
-        write, written = leap.write, NO_WRITES
-        if state.listening or (write is None and leap.acts):
-            return short_way.leapt(self.program, state, event, leap, looked)
-        if write is not None:
-            written = write(state)
-            if written is None:
+            if not state.quick or kind != "event" or not -inf < at < state.wake:
+                if kind == "write" and state.quick and -inf < at < state.wake:
+                    return short_way.reading(self.program, state, event)
+                check_event(event, "a chart")
+                return make_step(self.program, state, event)
+            direct = state.config.direct.get(name)
+            if direct is None:
+                return short_way.step(self.program, state, event)
+            if at > state.at:
+                state.at = at
+            state.event = data
+            test, looked, leap = direct
+            if test is not None and (value := test(state)) is not True:
+                return short_way.value(state, event, (), ((looked[0][0], value),))
+            write, written = leap.write, NO_WRITES
+            if state.listening or (write is None and leap.acts):
                 return short_way.leapt(self.program, state, event, leap, looked)
-        state.config = config = leap.config
-        state.active = config.active
-        state.seq = seq = state.seq + 1
-        state.quiet = False
-        wake = state.wake
-        return _new(Step, (
-            seq, state.at, event, leap.moves, looked, written, None, None if wake == inf else wake, (), "", (), (),
-            "running", state.holder, (), "", False,
-        ))  # fmt: skip
+            if write is not None:
+                written = write(state)
+                if written is None:
+                    return short_way.leapt(self.program, state, event, leap, looked)
+            state.config = config = leap.config
+            state.active = config.active
+            state.seq = seq = state.seq + 1
+            state.quiet = False
+            wake = state.wake
+            return _new(Step, (
+                seq, state.at, event, leap.moves, looked, written, None, None if wake == inf else wake, (), "", (), (),
+                "running", state.holder, (), "", False,
+            ))  # fmt: skip
+        except (ArithmeticError, AttributeError, TypeError, ValueError):
+            # Looked at only now: a look at each event would cost each its time.
+            check_event(event, "a chart")
+            raise
 
     def absorb(self, writes: Iterable[tuple[str, Any, float]], *, at: float, seq: int) -> None:
         """Take over what quiet steps wrote, without stepping: a replay is where the run was then.
@@ -406,8 +412,3 @@ class ChartBranch(Chart):
 
     def __init__(self, chart: Chart) -> None:
         self.program, self.state = chart.program, copied(chart.state)
-
-
-def _no_event(given: object) -> UsageError:
-    """What is sent is an event, with its time."""
-    return UsageError(f"a chart is sent an Event, not {shown(given, by=clipped)}; write Event('go', at=3.2)")

@@ -15,10 +15,11 @@ from rai_missions.image import Image
 from rai_missions.mission.option_parameters import parameter_faults
 from rai_missions.plain_data import apart, quoted
 from rai_missions.redaction import clipped
+from rai_missions.validation_errors import check_given, given_names
 
 __all__ = (
     "Answerer", "Evidence", "Limits", "Offer", "Proposal", "Question", "ReadsRun", "Verdict", "VerdictKind",
-    "VerdictNote", "judge", "stale_verdict", "with_verdicts",
+    "VerdictNote", "check_answerers", "judge", "stale_verdict", "with_verdicts",
 )  # fmt: skip
 
 
@@ -150,6 +151,7 @@ def with_verdicts(notes: Iterable[str | VerdictNote]) -> tuple[tuple[str, ...], 
     return tuple(texts), tuple(verdicts)
 
 
+@runtime_checkable
 class Answerer(Protocol):
     """Answers questions: a model, a person, rules, a script."""
 
@@ -164,6 +166,16 @@ class Answerer(Protocol):
 
     def withdraw(self, number: int) -> None:
         """The question is no longer asked: stop the work on it, answer nothing."""
+
+
+def check_answerers(given: object) -> None:
+    """Refuse what is no mapping of names to answerers; see `check_given`.
+
+    Raises:
+        UsageError: It is none; the answerer that is none is named.
+    """
+    for name, each in given_names(given, "answerers", "answerers").items():
+        check_given(each, Answerer, f"'{name}' of answerers", "an answerer")
 
 
 @runtime_checkable

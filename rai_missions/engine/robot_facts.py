@@ -7,11 +7,13 @@ Rule: how the robot is reached is not known here; that is the profile's, and the
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import NoneType
 from typing import NamedTuple
 
 from rai_missions.guards.guard import Guard
+from rai_missions.validation_errors import check_given
 
-__all__ = ("RobotFacts",)
+__all__ = ("RobotFacts", "check_facts")
 
 
 class RobotFacts(NamedTuple):
@@ -32,3 +34,12 @@ class RobotFacts(NamedTuple):
         """Whether two actions occupy something in common."""
         first, second = self.uses.get(one), self.uses.get(other)
         return first is None or second is None or not first.isdisjoint(second)
+
+
+def check_facts(given: object) -> None:
+    """Refuse as `terms` what is of another kind, unless none are given; see `check_given`.
+
+    Raises:
+        UsageError: It is.
+    """
+    check_given(given, (RobotFacts, NoneType), "terms", "what rai_missions.profile.terms makes of a profile")

@@ -6,7 +6,6 @@ Rule: a step is closed here and, where it does so little that it takes the short
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -27,7 +26,6 @@ from rai_missions.engine.state import RunState, StepDraft
 from rai_missions.engine.step import Step
 from rai_missions.engine.surroundings import Surroundings
 from rai_missions.engine.timing import catch_up, look_ahead, look_for_time
-from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from rai_missions.guards.guard import Truth
 from rai_missions.keys import Stamped
@@ -86,11 +84,11 @@ def begin_run(program: Program, state: RunState, at: float) -> None:
 def make_step(program: Program, state: RunState, event: Event) -> Step:
     """Let an event happen: everything due before it first, then it, to completion.
 
-    Raises:
-        UsageError: Its time is not a finite number of seconds.
+    Args:
+        program: The mission.
+        state: Its run.
+        event: One that `check_event` finds no fault in.
     """
-    if not math.isfinite(event.at):
-        raise UsageError(f"'{event.name}' cannot happen at {event.at} s; give a finite number of seconds")
     at = max(event.at, state.at)
     if event.kind == "command" and event.name == "take_up":
         resync(program, state, event)

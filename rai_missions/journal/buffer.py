@@ -19,7 +19,7 @@ import weakref
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from rai_missions.engine.step import Step
 from rai_missions.errors import ConnectorError
@@ -42,6 +42,7 @@ Job = tuple[Callable[[], object], Callable[[], object]]
 """What is to be done, and how that is made known."""
 
 
+@runtime_checkable
 class JournalSink(Protocol):
     """What a run is written to: `rai_missions.journal.Journal`."""
 

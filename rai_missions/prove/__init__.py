@@ -11,11 +11,10 @@ import math
 import time
 from collections.abc import Callable, Collection
 from pathlib import Path
-from types import NoneType
 from typing import NamedTuple
 
 from rai_missions.engine.activities.ticker import Trees
-from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.engine.robot_facts import RobotFacts, check_facts
 from rai_missions.errors import UsageError
 from rai_missions.journal import Header
 from rai_missions.mission.garbage import few_collections
@@ -29,7 +28,6 @@ from rai_missions.prove.loops import FEW, Loop, long_loops, may_rest, unlike, wi
 from rai_missions.prove.properties import CLAIMS, Property, claims, lost, stuck
 from rai_missions.prove.unrolled import repeated, unrolled
 from rai_missions.redaction import shown
-from rai_missions.validation_errors import check_given
 
 __all__ = ("CLAIMS", "MOST_STATES", "Proof", "Property", "TraceStep", "prove", "record")
 
@@ -100,7 +98,7 @@ def prove(
         UsageError: It is no mission, or a limit is not above 0.
     """
     given_mission(mission, "prove")
-    check_given(terms, (RobotFacts, NoneType), "terms", "what rai_missions.profile.terms makes of a profile")
+    check_facts(terms)
     limits: dict[str, object] = {"most": most, "seconds": seconds, "memory_mb": memory_mb, "work": work}
     for word, limit in limits.items():
         if not (isinstance(limit, int | float) and limit > 0):

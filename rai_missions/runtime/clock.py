@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import threading
 import time
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 from rai_missions.connectors.connector import Close, Connector, Message
 from rai_missions.runtime.mailbox import Mailbox
@@ -17,6 +17,7 @@ from rai_missions.runtime.mailbox import Mailbox
 __all__ = ("Clock", "ContinuedClock", "PublishedClock", "SimulatedClock", "Steppable", "WallClock")
 
 
+@runtime_checkable
 class Clock(Protocol):
     """The run's clock, in seconds from its start."""
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a person or a program may do to a run, from any thread: pause, stop, resume, cancel, e-stop, hand over, answer.
 
-Rule: nothing is done here and now. The run does it on its own thread, in its turn; an e-stop overtakes.
+Rule: nothing is done here and now. The run does it on its own thread, in its turn; an e-stop overtakes. No order is
+refused for what it gives as `by`, which is for people.
 """
 
 from __future__ import annotations
@@ -10,9 +11,11 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.event import Event, Origin
+from rai_missions.journal.json_values import to_json
 from rai_missions.runtime.control_handover import Handovers
 from rai_missions.runtime.lifecycle import Control
 from rai_missions.runtime.scheduler import Scheduler
+from rai_missions.validation_errors import check_event, check_given, given_names
 
 __all__ = ("RunCommands",)
 
@@ -43,7 +46,7 @@ class RunCommands:
         self._command("cancel", by)
 
     def kill(self, by: str = "operator") -> None:
-        self.post_urgent(Event("kill", self._scheduler.now(), {"by": by}, "command"))
+        self.post_urgent(Event("kill", self._scheduler.now(), {"by": str(by)}, "command"))
 
     def control(self, to: str, by: str = "operator", role: Origin = "operator") -> str:
         """Ask for control to change its holder; returns why it may not, or empty.
@@ -65,16 +68,33 @@ class RunCommands:
     def answer(
         self, number: int, option: str, parameters: Mapping[str, Any] | None = None, by: str = "operator"
     ) -> None:
-        """Answer an open question."""
-        data = {"option": option, "parameters": dict(parameters or {}), "by": by}
-        self.post(Event(by, self._scheduler.now(), data, "proposal", number))
+        """Answer an open question.
+
+        Raises:
+            UsageError: What is given is no number of a question, no name or no parameters.
+        """
+        check_given(option, str, "an answer", "the name of an option")
+        given = given_names({} if parameters is None else parameters, "parameters", "values")
+        data = {"option": option, "parameters": dict(given), "by": str(by)}
+        self.post(Event(str(by), self._scheduler.now(), data, "proposal", number))
 
     def post(self, event: Event) -> None:
-        """Something has happened outside."""
+        """Something has happened outside.
+
+        Raises:
+            UsageError: It is no event, or no journal could hold its data.
+        """
+        check_event(event, "a run")
+        to_json(event.data)
         self._scheduler.post(event)
 
     def post_urgent(self, event: Event) -> None:
-        """It is taken next, whatever waits."""
+        """It is taken next, whatever waits, and whatever its data are.
+
+        Raises:
+            UsageError: It is no event.
+        """
+        check_event(event, "a run")
         self._scheduler.mailbox.post_urgent(event)
 
     def drop_if(self, is_overdue: Callable[[Event], bool]) -> None:
@@ -86,4 +106,4 @@ class RunCommands:
         self._scheduler.call_soon(do)
 
     def _command(self, name: str, by: str) -> None:
-        self.post(Event(name, self._scheduler.now(), {"by": by}, "command"))
+        self.post(Event(name, self._scheduler.now(), {"by": str(by)}, "command"))

@@ -11,6 +11,7 @@ from rai_missions.engine import Named
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.step import Step
 from rai_missions.runtime.lifecycle import Status
+from rai_missions.validation_errors import given_names
 
 __all__ = ("NewRun", "RunObserver")
 
@@ -33,6 +34,14 @@ class NewRun:
     """Once the robot has reported what the mission needs, it waits, ready, for the command to start."""
     moved_aside: str | None = None
     """Where the journal of an earlier run is now, whose name this one's took; for the result."""
+
+    def __post_init__(self) -> None:
+        """Hold the arguments to their type.
+
+        Raises:
+            UsageError: They are no mapping.
+        """
+        given_names(self.arguments, "arguments", "values")
 
 
 class RunObserver(NamedTuple):

@@ -12,17 +12,18 @@ import uuid
 from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
+from types import NoneType
 from typing import Any, TypeVar
 
 from rai_missions.connectors.connector import Connector
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.goal_ledger import OpenGoal, may_move
-from rai_missions.engine.decision import Answerer, ReadsRun
+from rai_missions.engine.decision import Answerer, ReadsRun, check_answerers
 from rai_missions.engine.step import Step
 from rai_missions.errors import ConnectorError, DefinitionError, UsageError
 from rai_missions.event import Event, Tick, is_e_stop
 from rai_missions.journal.buffer import BufferedWriter, JournalSink, raised_by
-from rai_missions.mission.mission import Mission
+from rai_missions.mission.mission import Mission, given_mission
 from rai_missions.profile import Robot, actions_of, missing, terms
 from rai_missions.redaction import Redaction, cut, logger
 from rai_missions.replay.resume import Resumption
@@ -39,6 +40,7 @@ from rai_missions.runtime.result import Result
 from rai_missions.runtime.run_options import NewRun, RunObserver
 from rai_missions.runtime.scheduler import Scheduler
 from rai_missions.runtime.view import RunView
+from rai_missions.validation_errors import check_given
 
 __all__ = ("Result", "Runner")
 
@@ -66,7 +68,7 @@ class Runner(RunCommands):
 
     Raises:
         DefinitionError: The profile lacks what the mission uses, or an argument is missing or does not fit.
-        UsageError: The mission names a predicate that was not given.
+        UsageError: The mission names a predicate that was not given, or an argument is of another type.
     """
 
     def __init__(
@@ -74,6 +76,14 @@ class Runner(RunCommands):
         answerers: Mapping[str, Answerer] | None = None, clock: Clock | None = None, journal: JournalSink | None = None,
         begin: NewRun | Resumption = NEW_RUN, observer: RunObserver = UNOBSERVED,
     ) -> None:  # fmt: skip
+        given_mission(mission, "a Runner")
+        check_given(robot, (Robot, NoneType), "robot", "a Robot", "Robot.model_validate(…) makes one of data")
+        check_given(connector, (Connector, NoneType), "connector", "a connector")
+        check_given(clock, (Clock, NoneType), "clock", "a clock")
+        check_given(journal, (JournalSink, NoneType), "journal", "a journal", "Journal.create(FILE, …) makes one")
+        check_given(begin, (NewRun, Resumption), "begin", "a NewRun or a Resumption")
+        check_given(observer, RunObserver, "observer", "a RunObserver")
+        check_answerers({} if answerers is None else answerers)
         if robot is not None and (faults := missing(mission, robot)):
             raise DefinitionError(faults, robot.name)
         self.mission, self.run_id = mission, begin.run or uuid.uuid4().hex[:12]
@@ -101,6 +111,8 @@ class Runner(RunCommands):
         self._waits = begin.waits and self._chart.unstarted
         self._beginning = threading.Lock()
         """Held from a command to start until the run takes it."""
+        self._once = threading.Lock()
+        """Held from the call of `run` on."""
         self._steps = self._chart.seq
         """The number of the last step that is in a row of its own in the journal, or would be."""
         self.view = RunView(self._chart, scheduler, control, self._executor, mode_by)
@@ -167,8 +179,11 @@ class Runner(RunCommands):
         Raises:
             ConnectorError: The robot cannot be reached.
             UsageError: The robot did not report what the mission needs to know before it starts; the error names it.
+                Or it was run before: a Runner runs its mission once.
             KeyboardInterrupt: Ctrl-C was pressed, and the run has ended: the first cancels it, the second is an e-stop.
         """
+        if not self._once.acquire(blocking=False):
+            raise UsageError("a Runner runs its mission once; make another one for another run")
         with interruptible(self):
             return self._run()
 

@@ -201,6 +201,22 @@ def test_an_agent_that_is_stopped_at_once_has_canceled_its_mission_too() -> None
         assert agent.result is not None and agent.result.outcome == "canceled"
 
 
+@pytest.mark.parametrize("word", ["on_step", "on_status"])
+def test_an_agent_that_is_stopped_by_what_follows_its_run_cancels_it_and_closes_everything(
+    word: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    words: dict[str, Any] = {word: lambda _: agent.stop(), "journal": tmp_path / "run.journal"}
+    agent = MissionAgent(RunConfig(Mission.model_validate(WAITING), robot(), **words))
+    agent.run()
+    assert agent._thread is not None
+    agent._thread.join(10.0)
+    assert agent.result is not None and agent.result.outcome == "canceled" and not caplog.records
+    assert agent._prepared.journal is not None
+    with pytest.raises(UsageError, match="is closed; open it again to write"):
+        agent._prepared.journal.note("after it")
+    agent.stop()
+
+
 def test_an_agent_that_is_stopped_before_it_is_run_runs_its_mission(monkeypatch: pytest.MonkeyPatch) -> None:
     plugins = Path(__file__).parents[1] / "plugins"
     monkeypatch.syspath_prepend(str(plugins / "installed"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -15,6 +16,7 @@ from rai_missions.engine import Chart
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
+from rai_missions.journal import Header, Journal
 from rai_missions.runtime.clock import WallClock
 from rai_missions.runtime.lifecycle import MODES, Lifecycle, Status
 from rai_missions.runtime.runner import Result
@@ -183,6 +185,34 @@ def test_a_kill_from_another_thread_ends_a_run_that_waits_for_nothing() -> None:
     rig.runner.kill("another thread")
     thread.join(5.0)
     assert results[0].why == "e-stop by another thread"
+
+
+@pytest.mark.parametrize("by", [None, 5, ["x"], object(), "\ud800", "\0"])
+@pytest.mark.parametrize("command", ["pause", "stop", "cancel", "kill"])
+def test_no_order_is_refused_for_what_it_names_as_its_giver(command: str, by: Any, tmp_path: Path) -> None:
+    """An e-stop least of all; what is no text is written as one, so that the journal holds it."""
+    with Journal.create(tmp_path / "run.journal", Header("")) as journal:
+        rig = Rig(MOVING, journal=journal)
+        rig.stage.play({1.0: lambda: getattr(rig.runner, command)(by), 2.0: lambda: rig.runner.cancel(by)})
+        result = rig.run()
+    assert len(rig.move.canceled) == 1 and result.why == f"{'e-stop' if command == 'kill' else 'canceled'} by {by}"
+
+
+def test_a_run_is_run_once_from_wherever_it_is_called_again() -> None:
+    """From another thread, from what follows it, and after it: a second call is refused, and the run is as it was."""
+    rig, refused = Rig(MOVING), list[str]()
+
+    def again(*_: object) -> None:
+        with pytest.raises(UsageError) as error:
+            rig.run()
+        refused.append(str(error.value))
+
+    thread = threading.Thread(target=again)
+    rig.on_step = again
+    rig.stage.play({1.0: lambda: (thread.start(), thread.join()), 2.0: lambda: rig.post("go")})
+    assert rig.run().duration_s == 2.0
+    again()
+    assert set(refused) == {"a Runner runs its mission once; make another one for another run"} and len(refused) > 3
 
 
 def test_a_goal_that_outlives_a_kill_does_not_hang_the_run_on_the_wall_clock() -> None:

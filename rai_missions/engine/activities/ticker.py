@@ -8,7 +8,7 @@ with the machines that the states of the same words use, and their outcomes are 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
 
 from rai_missions.guards.guard import View
 from rai_missions.states.tree import TreeNode
@@ -118,6 +118,7 @@ class Ticker(Protocol):
         """The state as it would be had everything happened so much later, in seconds: what a pause makes of it."""
 
 
+@runtime_checkable
 class Trees(Protocol):
     """What a chart is given as `ticker`: compiles trees."""
 
