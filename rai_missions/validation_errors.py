@@ -68,14 +68,14 @@ def faults_of(error: ValidationError, model: type[Any], data: Any, known: Iterab
         data: Decides which of pydantic's steps are places in the document.
         known: The words of a constructor in Python, where `data` is what it was given.
     """
-    reported: set[tuple[str, str]] = set()
+    reported: set[tuple[str, ...]] = set()
     found = refusals(error)
     for item in _whole_lists(found[:MOST]):
         steps, rest = _steps(_loc(item), data)
         place = pointer(steps)
         # The branches of a union are no places: the fault of the first of them is enough.
         of_union = rest and item["type"] != "missing"
-        seen = (place, "" if of_union else item["type"] + str(item["loc"]))
+        seen = (place,) if of_union else (place, item["type"], str(item["loc"]), item["msg"])
         if seen in reported:
             continue
         reported.add(seen)

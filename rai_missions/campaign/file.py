@@ -6,10 +6,12 @@ Rule: a file names things; nothing in it is executed. Paths are read from the fi
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationInfo, field_validator
+from pydantic_core import PydanticCustomError
 
 from rai_missions.campaign.cells import ORDERS
 from rai_missions.campaign.embodiments import EMBODIMENTS
@@ -17,7 +19,7 @@ from rai_missions.campaign.rollout import LONGEST_S
 from rai_missions.campaign.scene_sources import ScenesEntry
 from rai_missions.errors import suggestion
 from rai_missions.mission.schema import schema_of
-from rai_missions.model import LISTED, Format, Integer, Json, MissionModel, Name, Number, Text, fault
+from rai_missions.model import LISTED, Format, Integer, Json, MissionModel, Name, Number, Text, fault, refuse
 from rai_missions.redaction import shown
 
 __all__ = (
@@ -115,40 +117,24 @@ class CampaignFile(MissionModel):
     """Seconds for an answer; left out, the mission's own time for its first answerer."""
     budget: BudgetEntry = BudgetEntry()
 
-    @model_validator(mode="after")
-    def _names_what_there_is(self) -> CampaignFile:
-        for at, name in enumerate(self.embodiments):
-            if name not in EMBODIMENTS:
-                why = f"no embodiment {shown(name)}{suggestion(name, EMBODIMENTS)}"
-                raise fault("embodiment", why, at=("embodiments", at))
-        for field in ("models", "embodiments", "orders"):
-            if twice := _repeated(getattr(self, field)):
-                raise fault(field, f"'{field}' names {shown(twice)} more than once; keep one", at=(field,))
-        for word, table in ((word, getattr(self, word)) for word in ABOUT_MODELS):
-            if unknown := next((name for name in table if name not in self.models), None):
-                raise fault(
-                    word,
-                    f"'{word}' is about {shown(unknown)}, which 'models' has not{suggestion(unknown, self.models)}",
-                    at=(word, unknown),
-                )
-        providers = {name.partition(":")[0] for name in self.models}
-        if unknown := next((name for name in self.rates if name not in providers), None):
-            near = suggestion(unknown, providers)
-            why = f"'rates' is about {shown(unknown)}, of which 'models' has none{near}"
-            raise fault("rates", why, at=("rates", unknown))
-        if self.budget.money is not None and (unpriced := next(self._unpriced(), None)):
-            raise fault(
-                "prices",
-                f"'budget' bounds money, and 'prices' has no price of {shown(unpriced)}, which would count as free; "
-                "add it, or {} where it costs nothing",
-                at=("prices",),
-            )
-        return self
+    @field_validator("models", "embodiments", "orders")
+    @classmethod
+    def _names_each_once(cls, names: tuple[str, ...], info: ValidationInfo) -> tuple[str, ...]:
+        refuse(_list_faults(str(info.field_name), names))
+        return names
 
-    def _unpriced(self) -> Iterator[str]:
-        """The models of a provider, but for those on this machine, that have no price."""
-        named = (name for name in self.models if ":" in name and name not in self.scripts)
-        return (name for name in named if name not in self.prices and not name.startswith((CONSTANT, "local:")))
+    @field_validator(*ABOUT_MODELS, "rates")
+    @classmethod
+    def _is_about_its_models(cls, table: dict[str, Any], info: ValidationInfo) -> dict[str, Any]:
+        refuse(_table_faults(str(info.field_name), table, info.data.get("models")))
+        return table
+
+    @field_validator("budget")
+    @classmethod
+    def _knows_all_prices(cls, budget: BudgetEntry, info: ValidationInfo) -> BudgetEntry:
+        if budget.money is not None and {"models", "scripts", "prices"} <= info.data.keys():
+            refuse(_price_faults(info.data["models"], info.data["scripts"], info.data["prices"]))
+        return budget
 
     def replaced(self, models: Iterable[str]) -> CampaignFile:
         """The same campaign with other models."""
@@ -176,6 +162,33 @@ def with_models(data: Mapping[str, Any], models: list[Any]) -> dict[str, Any]:
     return {**data, **only, "models": models}
 
 
-def _repeated(names: Iterable[str]) -> str:
-    seen = set[str]()
-    return next((name for name in names if name in seen or seen.add(name)), "")  # type: ignore[func-returns-value]
+def _list_faults(field: str, names: tuple[str, ...]) -> Iterator[PydanticCustomError]:
+    for name, times in Counter(names).items():
+        if field == "embodiments" and name not in EMBODIMENTS:
+            why = f"no embodiment {shown(name)}{suggestion(name, EMBODIMENTS)}"
+            yield fault("embodiment", why, at=(names.index(name),))
+        if times > 1:
+            yield fault(field, f"'{field}' names {shown(name)} more than once; keep one")
+
+
+def _table_faults(field: str, table: Iterable[str], models: Iterable[str] | None) -> Iterator[PydanticCustomError]:
+    """What a table of models, or of their providers, is about and 'models' has not; nothing where that is at fault."""
+    is_rates = field == "rates"
+    known = {name.partition(":")[0] if is_rates else name: None for name in models or ()}
+    lacks = "of which 'models' has none" if is_rates else "which 'models' has not"
+    for unknown in (name for name in table if models is not None and name not in known):
+        yield fault(field, f"'{field}' is about {shown(unknown)}, {lacks}{suggestion(unknown, known)}", at=(unknown,))
+
+
+def _price_faults(
+    models: Iterable[str], scripts: Collection[str], prices: Collection[str]
+) -> Iterator[PydanticCustomError]:
+    """The models of a provider, but for those on this machine, that have no price."""
+    for name in models:
+        if ":" in name and name not in scripts and name not in prices and not name.startswith((CONSTANT, "local:")):
+            yield fault(
+                "prices",
+                f"'budget' bounds money, and 'prices' has no price of {shown(name)}, which would count as free; "
+                "add it, or {} where it costs nothing",
+                at=("money",),
+            )

@@ -4,14 +4,16 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any
 
 from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from rai_missions.campaign.records import SceneRecord, Split
 from rai_missions.campaign.scene_spec import scene_spec
-from rai_missions.model import LISTED, Integer, Json, MissionModel, Name, Text, fault
+from rai_missions.model import LISTED, Integer, Json, MissionModel, Name, Text, fault, refuse
 
 __all__ = ("GivenScene", "ScenesEntry")
 
@@ -51,20 +53,22 @@ class ScenesEntry(MissionModel):
 
     @model_validator(mode="after")
     def _is_one_source(self) -> ScenesEntry:
+        refuse(self._faults())
+        return self
+
+    def _faults(self) -> Iterator[PydanticCustomError]:
         if bool(self.given) + bool(self.seeds) + (self.count is not None) != 1:
             sentence = (
                 "scenes are written under 'given', named by 'seeds' or drawn by 'count': give exactly one of them"
             )
-            raise fault("scenes", sentence)
+            yield fault("scenes", sentence)
         if self.count is not None and self.options:
-            raise fault(
+            yield fault(
                 "options", "the generator draws each scene's options; drop 'options' or drop 'count'", at=("options",)
             )
-        names = [each.scene for each in self._written()]
-        if len(set(names)) < len(names):
-            twice = next(name for name in names if names.count(name) > 1)
-            raise fault("scenes", f"the scene '{twice}' is there more than once; give each a name of its own")
-        return self
+        for name, times in Counter(each.scene for each in self._written()).items():
+            if times > 1:
+                yield fault("scenes", f"the scene '{name}' is there more than once; give each a name of its own")
 
     def scenes(self) -> Iterator[SceneRecord]:
         """The scenes, in the order written or drawn.

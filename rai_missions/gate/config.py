@@ -8,16 +8,18 @@ sends.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, Field, field_validator, model_validator
+from pydantic_core import PydanticCustomError
 
 from rai_missions.errors import DefinitionError, Fault, UsageError, suggestion
 from rai_missions.gate.state import COMMANDERS, GateRules
 from rai_missions.mission.json_reader import read_json
-from rai_missions.model import Bool, Format, Integer, Json, MissionModel, Seconds, Text, fault, without_schema
+from rai_missions.model import Bool, Format, Integer, Json, MissionModel, Seconds, Text, fault, refuse, without_schema
 from rai_missions.redaction import shown
 from rai_missions.validation_errors import validated
 
@@ -93,22 +95,17 @@ class GateWords(MissionModel):
     @field_validator("leases")
     @classmethod
     def _knows_its_holders(cls, leases: dict[str, float]) -> dict[str, float]:
-        for who in (each for each in leases if each not in COMMANDERS):
-            raise fault("leases", f"no one called '{who}' commands actuators{suggestion(who, COMMANDERS)}")
-        for who, lease_s in leases.items():
-            if 0 < lease_s < SHORTEST_LEASE_S:
-                raise fault("leases", f"{lease_s:g} s for '{who}' is shorter than a message's way; give 0.01 or more")
+        refuse(_lease_faults(leases))
         return leases
 
-    @model_validator(mode="after")
-    def _guards_each_topic_once(self) -> Self:
-        topics = [each.topic for each in self.commands]
-        if not topics:
+    @field_validator("commands")
+    @classmethod
+    def _guards_each_topic_once(cls, commands: tuple[CommandTopic, ...]) -> tuple[CommandTopic, ...]:
+        if not commands:
             raise fault("commands", "a gate without command topics guards nothing; give at least one")
-        for topic in topics:
-            if topics.count(topic) > 1:
-                raise fault("commands", f"'{topic}' is here twice; drop one")
-        return self
+        times = Counter(each.topic for each in commands)
+        refuse(fault("commands", f"'{topic}' is here twice; drop one") for topic, many in times.items() if many > 1)
+        return commands
 
     @property
     def terms(self) -> GateRules:
@@ -125,6 +122,16 @@ class GateWords(MissionModel):
             qos[each.topic] = {"depth": 1}
             qos |= {f"{self.name}/{who}{each.topic}": {"depth": each.depth} for who in COMMANDERS}
         return {"node": self.name.strip("/").replace("/", "_"), "qos": qos, **options}
+
+
+def _lease_faults(leases: Mapping[str, float]) -> Iterator[PydanticCustomError]:
+    for who, lease_s in leases.items():
+        if who not in COMMANDERS:
+            why = f"no one called '{who}' commands actuators{suggestion(who, COMMANDERS)}"
+            yield fault("leases", why, at=(who,))
+        if 0 < lease_s < SHORTEST_LEASE_S:
+            why = f"{lease_s:g} s for '{who}' is shorter than a message's way; give 0.01 or more"
+            yield fault("leases", why, at=(who,))
 
 
 def read_gate(path: str | Path, **words: Any) -> GateWords:

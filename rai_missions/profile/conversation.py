@@ -13,7 +13,7 @@ from pydantic import Field, ValidationInfo, field_validator
 
 from rai_missions.errors import suggestion
 from rai_missions.event import Role
-from rai_missions.model import LISTED, Bool, Json, MissionModel, Name, Number, Text, fault
+from rai_missions.model import LISTED, Bool, Json, MissionModel, Name, Number, Text, fault, refuse
 
 __all__ = ("GRANTED", "ORDERS", "ConversationPolicy", "NamedPlace", "OrderName", "WhileAnswering")
 
@@ -99,8 +99,11 @@ class ConversationPolicy(MissionModel):
     @field_validator("may")
     @classmethod
     def _knows_its_roles(cls, may: dict[str, tuple[OrderName, ...]]) -> dict[str, tuple[OrderName, ...]]:
-        for role in (each for each in may if each not in GRANTED):
-            raise fault("may", f"no role '{role}'; there is: {', '.join(GRANTED)}{suggestion(role, GRANTED)}")
+        refuse(
+            fault("may", f"no role '{role}'; there is: {', '.join(GRANTED)}{suggestion(role, GRANTED)}", at=(role,))
+            for role in may
+            if role not in GRANTED
+        )
         return may
 
     def granted(self) -> dict[str, frozenset[OrderName]]:

@@ -10,10 +10,11 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Annotated, Any, ClassVar, Self, cast
 
 from pydantic import BeforeValidator, Field, PlainSerializer, model_validator
+from pydantic_core import PydanticCustomError
 
 from rai_missions.errors import ConnectorError
 from rai_missions.guards.guard import Guard
-from rai_missions.model import LISTED, AnyOf, Bool, Json, MissionModel, Name, Seconds, Text, Word, fault
+from rai_missions.model import LISTED, AnyOf, Bool, Json, MissionModel, Name, Seconds, Text, Word, fault, refuse
 from rai_missions.plain_data import apart
 from rai_missions.profile.convert import at_path, plain, pose_message
 from rai_missions.profile.sources import truth_of
@@ -103,20 +104,23 @@ class ActionEntry(MissionModel):
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
+        refuse(self._faults())
+        return self
+
+    def _faults(self) -> Iterator[PydanticCustomError]:
         if (self.action is None) == (self.start is None):
             which = "neither" if self.action is None else "both"
-            raise fault("action", f"an action has a server, 'action', or is composed, 'start' …; this is {which}")
-        if self.start is None:
+            yield fault("action", f"an action has a server, 'action', or is composed, 'start' …; this is {which}")
+        elif self.start is None:
             given = [word for word in ("cancel", "succeeded", "failed") if getattr(self, word) is not None]
             if given:
-                raise fault("action", f"the server of '{self.action}' reports how it ends: drop {', '.join(given)}")
+                yield fault("action", f"the server of '{self.action}' reports how it ends: drop {', '.join(given)}")
         else:
             given = [word for word in ("type", "goal", "result") if getattr(self, word)]
             if given:
-                raise fault("action", f"a composed action has no server: drop {', '.join(given)}")
+                yield fault("action", f"a composed action has no server: drop {', '.join(given)}")
             if self.succeeded is None:
-                raise fault("succeeded", "a composed action needs 'succeeded': a guard that states when it has")
-        return self
+                yield fault("succeeded", "a composed action needs 'succeeded': a guard that states when it has")
 
     @property
     def composed(self) -> bool:

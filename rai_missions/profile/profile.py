@@ -120,25 +120,31 @@ class Robot(MissionModel):
     @field_validator("control")
     @classmethod
     def _knows_its_controllers(cls, control: dict[str, ServiceEntry]) -> dict[str, ServiceEntry]:
-        for holder in (each for each in control if each not in HOLDERS):
-            why = f"no one called '{holder}' can hold control{suggestion(holder, HOLDERS)}"
-            raise fault("control", why, at=(holder,))
+        refuse(
+            fault("control", f"no one called '{name}' can hold control{suggestion(name, HOLDERS)}", at=(name,))
+            for name in control
+            if name not in HOLDERS
+        )
         return control
 
-    @model_validator(mode="after")
-    def _has_a_connector(self) -> Self:
-        if not isinstance(self.connector.get("kind"), str):
-            raise fault("connector", 'a connector has a \'kind\': "local", "ros2", …', at=("connector",))
-        return self
+    @field_validator("connector")
+    @classmethod
+    def _has_a_kind(cls, connector: dict[str, Any]) -> dict[str, Any]:
+        if not isinstance(connector.get("kind"), str):
+            raise fault("connector", 'a connector has a \'kind\': "local", "ros2", …')
+        return connector
 
     @model_validator(mode="after")
     def _knows_its_actions(self) -> Self:
+        refuse(self._event_faults())
+        return self
+
+    def _event_faults(self) -> Iterator[PydanticCustomError]:
         for name, event in self.events.items():
             if event.during is not None and event.during not in self.actions:
                 near = suggestion(event.during, self.actions)
                 why = f"'{name}' is received during '{event.during}', which is no action here{near}"
-                raise fault("events", why, at=("events", name, "during"))
-        return self
+                yield fault("events", why, at=("events", name, "during"))
 
     def written(self) -> dict[str, Any]:
         """As JSON has it."""

@@ -6,17 +6,18 @@ Rule: a source reports how a message is understood; who listens, and when, is th
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from types import SimpleNamespace
 from typing import Any, Literal, Self, cast
 
 from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from rai_missions.errors import ConnectorError
 from rai_missions.guards.guard import Guard, Site, Truth, View
 from rai_missions.image import Image
 from rai_missions.keys import Key, Stamped
-from rai_missions.model import AnyOf, Bool, Json, MissionModel, Name, Seconds, Text, Word, fault
+from rai_missions.model import AnyOf, Bool, Json, MissionModel, Name, Seconds, Text, Word, fault, refuse
 from rai_missions.profile.convert import at_path, image_of, json_of, plain, pose_of
 from rai_missions.redaction import cut_repr
 
@@ -57,23 +58,25 @@ class SourceFields(MissionModel):
     request: dict[Text, Json] = Field(default_factory=dict)
     """What the service is asked with."""
 
-    def _check_is_one(self) -> None:
-        """Whether a source is one thing, with the words of that.
+    @model_validator(mode="after")
+    def _has_a_source(self) -> Self:
+        refuse(self._faults())
+        return self
 
-        Raises:
-            PydanticCustomError: It is not.
-        """
+    def _faults(self) -> Iterator[PydanticCustomError]:
+        """Why a source is not one thing, with the words of that."""
         topic, service, every_s = self.topic, self.service, self.every_s
+        is_topic = topic is not None and service is None
         if (topic is None) == (service is None):
             which = "neither" if topic is None else "both"
-            raise fault("source", f"a source is a 'topic' or a 'service', this is {which}")
-        if service is not None and every_s is None:
+            yield fault("source", f"a source is a 'topic' or a 'service', this is {which}")
+        elif service is not None and every_s is None:
             sentence = "is a service and is asked again and again: state how often with 'every_s'"
-            raise fault("every_s", f"'{service}' {sentence}")
-        if topic is not None and every_s is not None:
-            raise fault("every_s", f"'{topic}' is a topic and speaks by itself: drop 'every_s'")
-        if topic is not None and self.request:
-            raise fault("request", "a topic is not asked; 'request' belongs to a 'service'")
+            yield fault("every_s", f"'{service}' {sentence}")
+        if is_topic and every_s is not None:
+            yield fault("every_s", f"'{topic}' is a topic and speaks by itself: drop 'every_s'")
+        if is_topic and self.request:
+            yield fault("request", "a topic is not asked; 'request' belongs to a 'service'")
 
 
 class Source(SourceFields):
@@ -87,12 +90,10 @@ class Source(SourceFields):
     read: Read | None = Field(default=None, alias="as")
     """`pose` or `image`; left out, it follows from the type of the message."""
 
-    @model_validator(mode="after")
-    def _has_a_source(self) -> Self:
-        self._check_is_one()
+    def _faults(self) -> Iterator[PydanticCustomError]:
+        yield from super()._faults()
         if self.json_ and self.read is not None:
-            raise fault("as", "'json' and 'as' are two ways to read one field; keep one")
-        return self
+            yield fault("as", "'json' and 'as' are two ways to read one field; keep one")
 
     @property
     def reads(self) -> Read:
@@ -161,15 +162,14 @@ class EventSource(SourceFields):
     posted: Bool = False
     """Nothing of the robot reports it: another program or a person posts it to the runner."""
 
-    @model_validator(mode="after")
-    def _has_a_source(self) -> Self:
+    def _faults(self) -> Iterator[PydanticCustomError]:
         if not self.posted:
-            self._check_is_one()
-        elif self.topic is not None or self.service is not None:
-            raise fault("posted", "an event is 'posted' or received on a topic or service, not both; drop one")
-        elif self.during is not None:
-            raise fault("during", "an event that is 'posted' is not listened for; drop 'during'")
-        return self
+            yield from super()._faults()
+            return
+        if self.topic is not None or self.service is not None:
+            yield fault("posted", "an event is 'posted' or received on a topic or service, not both; drop one")
+        if self.during is not None:
+            yield fault("during", "an event that is 'posted' is not listened for; drop 'during'")
 
     def fires(self, message: Mapping[str, Any]) -> Truth:
         """What `when` reports about a message; true without one.

@@ -39,14 +39,14 @@ def test_the_shortest_lease_is_one() -> None:
 @pytest.mark.parametrize(
     ("data", "why"),
     [
-        ({"leases": {"agnet": 1.0}}, "/leases: no one called 'agnet' commands actuators; did you mean 'agent'?"),
+        ({"leases": {"agnet": 1.0}}, "/leases/agnet: no one called 'agnet' commands actuators; did you mean 'agent'?"),
         (
             {"leases": {f"agent_{number}": 1.0 for number in range(30)}},
-            "/leases: no one called 'agent_0' commands actuators; did you mean 'agent'?",
+            "/leases/agent_0: no one called 'agent_0' commands actuators; did you mean 'agent'?",
         ),
         (
             {"leases": {"agent": 0.001}},
-            "/leases: 0.001 s for 'agent' is shorter than a message's way; give 0.01 or more",
+            "/leases/agent: 0.001 s for 'agent' is shorter than a message's way; give 0.01 or more",
         ),
         ({"commands": []}, "a gate without command topics guards nothing; give at least one"),
         ({"commands": [{"topic": "/a", "type": "x"}] * 2}, "'/a' is here twice; drop one"),

@@ -42,7 +42,11 @@ def test_a_profile_comes_back_with_what_it_states_of_talk() -> None:
             "/conversation/hri_below",
             "'alpha/' is no beginning of a topic's name; write it like '/alpha'",
         ),
-        ({"may": {"persn": ["stop"]}}, "/conversation/may", "no role 'persn'; there is: operator, viewer, person"),
+        (
+            {"may": {"persn": ["stop"]}},
+            "/conversation/may/persn",
+            "no role 'persn'; there is: operator, viewer, person",
+        ),
         ({"may": {"person": ["fly"]}}, "/conversation/may/person/0", "fly"),
         ({"requests": "drop"}, "/conversation/requests", "drop"),
         ({"while_answering": "never"}, "/conversation/while_answering", "never"),
