@@ -12,7 +12,7 @@ from typing import Any
 
 from rai_missions.campaign.rollout import LONGEST_S, Branchable, OpenDecision, Rollout, rollouts
 from rai_missions.engine import Chart
-from rai_missions.engine.decision import Answerer, Question
+from rai_missions.engine.decision import Question
 from rai_missions.errors import UsageError
 from rai_missions.guards.guard import View
 from rai_missions.profile import Robot
@@ -31,22 +31,19 @@ class OracleAnswerer:
 
     Args:
         robot: The profile of the run.
-        later: Who answers later questions of a rollout, by the names in `ask`; one that none answers ends the rollout.
-        longest_s: Simulated seconds that an option is followed.
+        longest_s: Simulated seconds that an option is followed, at most until the next question.
 
     Raises:
         UsageError: The profile is of a real robot.
     """
 
-    def __init__(
-        self, robot: Robot, *, later: Mapping[str, Answerer] | None = None, longest_s: float = LONGEST_S
-    ) -> None:
+    def __init__(self, robot: Robot, *, longest_s: float = LONGEST_S) -> None:
         if robot.connector.get("kind") != "local" or not robot.connector.get("world"):
             raise UsageError(
                 f"the oracle tries options in a copy of a simulated world, and the profile '{robot.name}' has none: "
                 "it cannot answer for a real robot"
             )
-        self._robot, self._later, self._longest_s = robot, later, longest_s
+        self._robot, self._longest_s = robot, longest_s
         self._world: Branchable | None = None
         self._view: RunView | None = None
         self.found: dict[str, Rollout] = {}
@@ -88,7 +85,7 @@ class OracleAnswerer:
         if not free:
             return {}
         decision = OpenDecision(world, chart, self._robot, run, question.state)
-        return rollouts(decision, free, later=self._later, longest_s=self._longest_s)
+        return rollouts(decision, free, longest_s=self._longest_s)
 
     def withdraw(self, number: int) -> None:
         """Nothing is ever under way."""

@@ -18,7 +18,6 @@ from rai_missions.connectors.hri.parts_inbox import PartsInbox
 from rai_missions.connectors.hri.wire import TYPE, message_from_data, message_to_data
 from rai_missions.connectors.worker import Work, Worker
 from rai_missions.errors import ConnectorError, UsageError
-from rai_missions.image import Image
 from rai_missions.redaction import cut, logger, shown
 
 __all__ = ("FROM_HUMAN", "TO_HUMAN", "VOICE_COMMANDS", "VOICE_WORDS", "HRIConnector")
@@ -43,16 +42,15 @@ class HRIConnector:
         connector: Any; over ROS 2 and MQTT other programs take part.
         now: Seconds on a clock that does not go back.
         later: Has something done so many seconds from now, and returns what cancels it; a thread of its own by default.
-        pixels: Makes of a picture one that the connector carries; over ROS 2 that is `rgb8`.
         within_s: How long the next part of a message may take.
     """
 
     def __init__(
         self, connector: Connector, *, now: Callable[[], float] = time.monotonic, later: Later | None = None,
-        pixels: Callable[[Image], Image] = lambda image: image, within_s: float = 30.0,
+        within_s: float = 30.0,
     ) -> None:  # fmt: skip
         self.connector = connector
-        self._now, self._pixels, self._within_s = now, pixels, within_s
+        self._now, self._within_s = now, within_s
         self._worker = Worker("parts of messages")
         self._later = later or self._worker.after
         self._closes: list[Close] = []
@@ -74,7 +72,7 @@ class HRIConnector:
             raise UsageError(f"{shown(message)} is no message; write HRIMessage({shown(message)})")
         is_part = message.seq_no > 0 or not message.seq_end
         for part in (message,) if is_part else parts_of(message, uuid.uuid4().hex):
-            self.connector.publish(topic, TYPE, message_to_data(part, self._pixels))
+            self.connector.publish(topic, TYPE, message_to_data(part))
 
     def listen(
         self, topic: str, on_message: Callable[[HRIMessage], object], *, on_fault: OnFault | None = None,

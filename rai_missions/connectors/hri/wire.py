@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 from array import array
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.connectors.connector import Data
@@ -21,20 +21,14 @@ from rai_missions.redaction import shown
 __all__ = ("TYPE", "message_from_data", "message_to_data")
 
 TYPE = "rai_interfaces/msg/HRIMessage"
-Pixels = Callable[[Image], Image]
 
 
-def message_to_data(message: HRIMessage, pixels: Pixels = lambda image: image) -> dict[str, Any]:
-    """The fields of the message type.
-
-    Args:
-        message: What is sent.
-        pixels: Makes of a picture one that the connector carries; over ROS 2 that is `rgb8`.
-    """
+def message_to_data(message: HRIMessage) -> dict[str, Any]:
+    """The fields of the message type; over ROS 2 its pictures are `rgb8`."""
     return {
         "header": {"frame_id": message.name},
         "text": message.text,
-        "images": [pixels(image) for image in message.images],
+        "images": list(message.images),
         "audios": [
             {"audio": _numbers(each.samples), "sample_rate": each.rate_hz, "channels": each.channels}
             for each in message.audios
