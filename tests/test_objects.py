@@ -42,6 +42,7 @@ GLOBALS = {
     ("rai_missions/answerers/model/process/worker.py", "os.environ"): PROCESS,
     ("rai_missions/answerers/model/process/worker.py", "sys.path"): PROCESS,
     ("rai_missions/connectors/ros2/fastdds.py", "os.environ"): f"{READS}; it is put back at once",
+    ("rai_missions/connectors/process/idle_threads.py", "os.environ"): READS,
     ("rai_missions/worlds/libraries.py", "os.environ"): READS,
     ("rai_missions/cli/streams.py", "sys"): "a command needs streams that are there; they are put back at its end",
     ("rai_missions/connectors/process/guard.py", "os.nice"): PROCESS,

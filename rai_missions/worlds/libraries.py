@@ -9,15 +9,13 @@ from __future__ import annotations
 import os
 import sys
 
+from rai_missions.connectors.process.idle_threads import let_idle_threads_sleep
+
 __all__ = ("configure_libraries",)
 
 
 def configure_libraries() -> None:
-    """Render without a display, and let idle threads sleep, unless the environment has it otherwise.
-
-    OpenBLAS, with which numpy multiplies, has a thread for each core. Each of them spins for 2^26 cycles before it
-    sleeps: when numpy is imported, and after each product that it took part in. 2^4 is the least that it accepts.
-    """
-    os.environ.setdefault("OPENBLAS_THREAD_TIMEOUT", "4")
+    """Render without a display, and let idle threads sleep, unless the environment has it otherwise."""
+    let_idle_threads_sleep()
     if sys.platform == "linux" and not os.environ.get("DISPLAY"):
         os.environ.setdefault("MUJOCO_GL", "egl")

@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from rai_missions.connectors.process.idle_threads import let_idle_threads_sleep
 from rai_missions.connectors.sound.connector import RATE_HZ
 from rai_missions.voice.absent import absent
 from rai_missions.voice.fusion import LEAST_FIRST_OF_ANY
@@ -62,8 +63,8 @@ def open_recogniser(weights: str = SIZES[0], folder: str = "", threads: int = 0)
     Raises:
         UsageError: CTranslate2 or the weights are not installed.
     """
-    os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")  # threads that wait do not take the mission's cores,
-    os.environ.setdefault("OPENBLAS_THREAD_TIMEOUT", "4")  # nor do those of numpy, which spin after each product
+    os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")  # threads that wait do not take the mission's cores
+    let_idle_threads_sleep()
     threads = threads or min(4, os.cpu_count() or 1)
     if folder:
         return Whisper(weights_in(Path(folder)), threads)
