@@ -167,10 +167,10 @@ class _ProofRun:
             claims=tuple(found), ways=ways, states=states, steps=steps, depth=depth,
             farthest=max(space.distances(space.ends), default=0), is_whole=space.is_whole,
             stopped=space.meter.stopped, done=space.done,
-            assumed=tuple(sorted(world.assumed)), in_pause=tuple(sorted(space.in_pause)),
+            assumed=tuple(sorted(world.assumed)), in_pause=tuple(sorted(space.findings.in_pause)),
             predicates=tuple(sorted(world.predicates)), sampled=world.values.learned.sampled,
             alike={str(loop): loop.rounds for loop, many in self._rounds.items() if many < loop.rounds},
-            never=tuple(name for name in names if name not in space.entered) if space.is_whole else (),
+            never=tuple(name for name in names if name not in space.findings.entered) if space.is_whole else (),
             seconds=time.perf_counter() - self._began,
         )  # fmt: skip
 

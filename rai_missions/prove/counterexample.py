@@ -21,10 +21,11 @@ from rai_missions.journal import Header, Journal
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.abstraction import PURSUED
 from rai_missions.prove.environment import Environment
-from rai_missions.prove.explorer import CANCEL, KILL, START, Edge, Space
+from rai_missions.prove.explorer import Edge, Space
 from rai_missions.prove.nondeterminism import OpenFields
 from rai_missions.prove.parts import guards_in
 from rai_missions.prove.properties import Property
+from rai_missions.prove.stimulus import CANCEL, KILL, START
 from rai_missions.prove.store import LEFT
 
 __all__ = ("TraceReplayer", "TraceStep", "go", "scenes", "ways_to")

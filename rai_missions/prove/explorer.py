@@ -12,9 +12,11 @@ from itertools import chain
 from typing import NamedTuple
 
 from rai_missions.prove.environment import Environment
+from rai_missions.prove.findings import Findings
 from rai_missions.prove.limits import MOST_STATES, Limits, Meter
 from rai_missions.prove.loops import Level, Loop
-from rai_missions.prove.part_courses import BITS, CHANGE, END, MOVE, NotedArrival
+from rai_missions.prove.part_codes import PartCodes
+from rai_missions.prove.part_courses import CHANGE, END, MOVE, NotedArrival
 from rai_missions.prove.part_steps import PartSteps
 from rai_missions.prove.region_parts import PartNumbers, RegionParts
 from rai_missions.prove.regions import Regions
@@ -33,27 +35,15 @@ from rai_missions.prove.step_cache import (
     joined,
 )
 from rai_missions.prove.step_maker import StepCase, StepMaker, StepOrigin
-from rai_missions.prove.stimulus import Stimulus
+from rai_missions.prove.stimulus import CANCEL, START, Stimulus
 from rai_missions.prove.store import ALL_GOALS, Store
 
-__all__ = ("CANCEL", "KILL", "START", "Edge", "Space", "Violation")
+__all__ = ("Edge", "Space")
 
 NOW_AND_THEN = 100
 MOST_COURSES = 20_000
 """So many states are remembered with all that happened in them."""
 OnProgress = Callable[[int, int], None]
-START, CANCEL, KILL = "the mission starts", "the operator cancels", "the operator gives the e-stop"
-
-
-class Violation(NamedTuple):
-    """A state, or a step out of it, that breaks a promise."""
-
-    promise: str
-    state: int
-    """Its number; -1 is before the start."""
-    sentence: str
-    way: Edge | None = None
-    """What happens in that state; None where the state itself is at fault."""
 
 
 class Inside(NamedTuple):
@@ -88,8 +78,11 @@ class Space(StateGraph):
         super().__init__()
         self.environment, self._progress, self._wanted = environment, progress, frozenset(wanted)
         self.meter = Meter(Limits(limits) if isinstance(limits, int) else limits)
+        self.findings = Findings(environment, lambda: self.meter.refuted(self.states))
+        """What the steps show of the mission."""
         self._by_parts, self._one_by_one = by_parts, one_by_one
         self._apart: SeparateRegions | None = None
+        self._codes = PartCodes()
         self.is_entangled = False
         """Regions were explored one at a time, and share something: nothing was found out."""
         self._stores = environment.codec.stores
@@ -102,12 +95,6 @@ class Space(StateGraph):
         """States can differ in their stores alone."""
         self._courses: dict[bytes, list[StepCache]] = {}
         """Core, or core and goals, → what came of what happens there."""
-        self._heads: dict[tuple[int, bytes], int] = {}
-        """Of states that are taken apart the number of a frame, with all that makes a difference of the store."""
-        self._frames: list[tuple[int, range]] = []
-        """Of each of these the frame, and where in the code its parts are."""
-        self.widest = 0
-        """The most parts that a state has."""
         self._words_here: Sequence[frozenset[str]] = ()
         """What waits for time in each part of the state that is left, where it is taken apart."""
         self._goal_words = frozenset[str]()
@@ -119,13 +106,6 @@ class Space(StateGraph):
         self.canceling: set[int] = set()
         self.levels: dict[int, dict[Loop, Level]] = {}
         """Number of a state → how far the loops are there of which a few rounds may represent all."""
-        self.taken: set[str] = set()
-        """JSON pointers of the transitions that were taken."""
-        self.entered: set[str] = set()
-        self.flaws: dict[str, Violation] = {}
-        """Promise → a shortest way to break it."""
-        self.in_pause: set[str] = set()
-        """Invariants that a robot's reports can break while the mission is paused or held, when not every rule acts."""
         self.steps = 0
         self.made = 0
         """Steps that were really made; the others are repetitions."""
@@ -160,12 +140,13 @@ class Space(StateGraph):
         parts = None
         if self._by_parts and regions.parallels and not environment.codec.loops:
             parts = RegionParts(environment.chart, environment.world, environment.codec, environment.rest, regions)
-            self.widest = max(len(each.members) for each in regions.parallels.values())
+            self._codes = PartCodes(max(len(each.members) for each in regions.parallels.values()))
         self._maker = StepMaker(environment, parts, lambda source, way, idle: self.learn(source, way, is_paused=idle))
-        owner_of = environment.inputs.owner_of
         if parts is not None and self._one_by_one and may_be_apart(environment, regions.parallels.values()):
             self._apart = SeparateRegions()
-        by_parts = PartSteps(self, parts, self._stores, owner_of, self._apart) if parts is not None else None
+        by_parts = None
+        if parts is not None:
+            by_parts = PartSteps(self, parts, self._codes, self._stores, environment.inputs.owner_of, self._apart)
         try:
             self._search(by_parts)
         except EntangledError:
@@ -188,7 +169,11 @@ class Space(StateGraph):
     @property
     def is_over(self) -> bool:
         """All that was wanted is known, or a limit is reached that ends the search at once."""
-        return bool(self.meter.ended or (self._wanted and self._wanted <= self.flaws.keys()))
+        return bool(self.meter.ended or (self._wanted and self._wanted <= self.findings.flaws.keys()))
+
+    def learn(self, source: int, way: Edge, *, is_paused: bool) -> None:
+        """Take note of what the step that was just made shows."""
+        self.findings.learn(source, way, is_paused=is_paused)
 
     # -- one state ------------------------------------------------------------------------------------------------
 
@@ -205,7 +190,7 @@ class Space(StateGraph):
             return
         known, more = self._courses.get(core), self._courses.get(with_goals) if store.goals else []
         if known is None:
-            self.stop(number, place)
+            self.findings.stop(number, place)
         found, others = self.scenes(number, place)
         known = known if known is not None else self._room(core, found)
         more = more if more is not None else self._room(with_goals, others)
@@ -309,10 +294,10 @@ class Space(StateGraph):
                 target = (
                     target if arrival.changed is None or spot is None else spot.moved(target.frame, arrival.changed)
                 )
-                key = self.code(target, answer)
+                key = self._codes.code(target, answer)
                 if self._apart is not None and (arrival.changed is None or spot is None):
                     depth = self._depths[source] + 1 if source >= 0 else 1
-                    self._apart.enter(key >> BITS * self.widest, target.parts, depth)
+                    self._apart.enter(self._codes.head_of(key), target.parts, depth)
         number = self._numbers.get(key)
         if number is None:
             number = self._find(key, source, arrival, store, answer)
@@ -332,8 +317,8 @@ class Space(StateGraph):
         self, noted: Iterable[Sequence[NotedArrival]], steps: int, source: int, store: Store, code: int
     ) -> None:  # fmt: skip
         """The same happens in a state of which every part and the frame are known."""
-        numbers, targets, kept = self._numbers, self._targets, self._kept
-        inner = code & (1 << BITS * self.widest) - 1
+        numbers, targets, kept, codes = self._numbers, self._targets, self._kept, self._codes
+        inner = codes.inner(code)
         self.begin(source)
         for sort, shift, change, arrival in chain.from_iterable(noted):
             if sort == MOVE:
@@ -343,38 +328,19 @@ class Space(StateGraph):
                     number = self._find(code + shift, source, arrival, after, b"")
             elif sort == CHANGE and change is not None and arrival.spot is not None:
                 after, answer = self._stores.after(store, change)
-                key = (self.head(arrival.spot, answer) << BITS * self.widest) + inner + shift
+                key = codes.first(arrival.spot, answer) + inner + shift
                 number = numbers.get(key)
                 if number is None:
                     number = self._find(key, source, arrival, after, answer)
             else:
                 number = numbers.get(arrival.core) if sort == END else None
                 if number is None:
-                    self._arrive(source, arrival, store, self.spot(code))
+                    self._arrive(source, arrival, store, codes.spot(code))
             if number is not None and number != source and arrival.kind != "command":
                 targets.append(number)
                 kept.append(REPORTED)
         self.steps += steps
         self.meter.spend(steps, self.states)
-
-    def head(self, spot: PartNumbers, answer: bytes) -> int:
-        """How the codes of states begin that have a frame and of whose stores this makes a difference."""
-        found = self._heads.setdefault((spot.frame, answer), len(self._heads))
-        if found == len(self._frames):
-            self._frames.append((spot.frame, range(self.widest - 1, self.widest - 1 - len(spot.parts), -1)))
-        return found
-
-    def code(self, spot: PartNumbers, answer: bytes) -> int:
-        """What distinguishes a state that is taken apart: its frame and what its store answers, then its parts."""
-        code = self.head(spot, answer)
-        for part in spot.parts:
-            code = code << BITS | part
-        return code << BITS * (self.widest - len(spot.parts))
-
-    def spot(self, code: int) -> PartNumbers:
-        """The frame and the parts of the state that has a code."""
-        frame, places = self._frames[code >> BITS * self.widest]
-        return PartNumbers(frame, tuple([code >> BITS * place & (1 << BITS) - 1 for place in places]))
 
     def _find(self, key: bytes | int, source: int, arrival: Arrival, store: Store, answer: bytes) -> int | None:
         """Take note of a state that is new; its number, or None where there is no room for it."""
@@ -410,53 +376,6 @@ class Space(StateGraph):
     def cut_off(self, number: int) -> None:
         """Not every step out of a state was made."""
         self.cut.add(number)
-
-    # -- what is wrong --------------------------------------------------------------------------------------------
-
-    def stop(self, number: int, place: Place) -> None:
-        """An e-stop here ends the mission and every goal; it asks for nothing that is known."""
-        environment, chart = self.environment, self.environment.chart
-        environment.load(place)
-        environment.choices.begin()
-        environment.make(environment.ordering("kill"))
-        if chart.outcome != "aborted":
-            self._flaw("stop", number, f"an e-stop leaves the mission {chart.outcome or chart.mode}", Edge(KILL))
-        self._end(number, Edge(KILL))
-
-    def _end(self, source: int, way: Edge) -> None:
-        loose = [goal.action for goal in self.environment.rest.pursued]
-        if loose:
-            self._flaw("stopped", source, f"the mission ends while '{loose[0]}' continues", way)
-
-    def learn(self, source: int, way: Edge, *, is_paused: bool) -> None:
-        """Take note of what the step that was just made shows."""
-        environment, chart = self.environment, self.environment.chart
-        draft, seen = chart.state.draft, environment.instruments.seen
-        for move in draft.moves:
-            self.taken.update(move.taken)
-            self.entered.update(move.entered)
-        for place, value in draft.looked:
-            seen.setdefault(place, set()).add(value)
-        if chart.outcome is None:
-            if restless := environment.rest.restless:
-                sentence = f"the tree in '{restless[0]}' goes round without end: it rests at the limit of a step"
-                self._flaw("comes to rest", source, sentence, way)
-            return
-        self._end(source, way)
-        if chart.cause == "invariant" and is_paused:
-            self.in_pause.add(chart.false_invariant)
-        elif chart.cause == "invariant":
-            self._flaw("invariants", source, chart.why, way)
-        elif chart.cause == "cycle":
-            self._flaw("comes to rest", source, chart.why, way)
-        if chart.outcome == "succeeded" and not environment.world.rests_on_facts:
-            self._flaw("answers", source, "the mission succeeds, whatever the robot reports", way)
-
-    def _flaw(self, promise: str, state: int, sentence: str, way: Edge) -> None:
-        """The first of each promise is a shortest."""
-        if promise not in self.flaws:
-            self.meter.refuted(self.states)
-        self.flaws.setdefault(promise, Violation(promise, state, sentence, way))
 
 
 def _scene(happening: Stimulus, met: Counter[str]) -> StepCase:

@@ -12,13 +12,13 @@ from functools import reduce
 from operator import or_
 from typing import NamedTuple
 
+from rai_missions.prove.part_codes import BITS
 from rai_missions.prove.region_parts import Part, PartNumbers
 from rai_missions.prove.step_cache import Arrival, CachedStep, CaseTable, StepCache
 from rai_missions.prove.step_maker import StepCase
 from rai_missions.prove.store import Store, StoreChange, StoreQuery
 
 __all__ = (
-    "BITS",
     "ENDED",
     "KEPT",
     "LOUD",
@@ -32,8 +32,6 @@ __all__ = (
     "Slot",
 )
 
-BITS = 24
-"""Of a part's number in the code of a state; there are never so many parts as states."""
 LOUD, KEPT, TREES, ENDED = 1, 2, 4, 8
 """Some part is not quiet, runs what a pause leaves as it is, runs a tree, has come to its end."""
 SUMMARY = 4

@@ -13,9 +13,10 @@ from functools import reduce
 from operator import or_
 from typing import Any, Protocol
 
+from rai_missions.prove.findings import Findings
 from rai_missions.prove.limits import Meter
+from rai_missions.prove.part_codes import BITS, PartCodes
 from rai_missions.prove.part_courses import (
-    BITS,
     ENDED,
     KEPT,
     LOUD,
@@ -50,16 +51,12 @@ class Search(Protocol):
     """The exploration, as it is seen from a state that is left."""
 
     meter: Meter
-
-    @property
-    def widest(self) -> int: ...
+    findings: Findings
 
     @property
     def is_over(self) -> bool: ...
 
     def scenes(self, number: int, place: Place) -> tuple[list[StepCase], list[StepCase]]: ...
-
-    def stop(self, number: int, place: Place) -> None: ...
 
     def cut_off(self, number: int) -> None: ...
 
@@ -70,8 +67,6 @@ class Search(Protocol):
     ) -> None: ...
 
     def waits_for_nothing(self, number: int) -> None: ...
-
-    def spot(self, code: int) -> PartNumbers: ...
 
     def repeat(
         self, noted: Iterable[Sequence[NotedArrival]], steps: int, source: int, store: Store, code: int
@@ -88,17 +83,18 @@ class PartSteps:
     Args:
         search: The exploration.
         parts: Takes states apart.
+        codes: Has the codes of states.
         stores: The stores of states.
         owner_of: Whose goal, call, question or behaviour has a number in the state that is loaded.
         apart: Notes regions that share nothing, which are explored one at a time; None where all are side by side.
     """
 
     def __init__(
-        self, search: Search, parts: RegionParts, stores: Stores, owner_of: Callable[[int], str],
+        self, search: Search, parts: RegionParts, codes: PartCodes, stores: Stores, owner_of: Callable[[int], str],
         apart: SeparateRegions | None = None,
     ) -> None:  # fmt: skip
-        self._search, self._parts, self._stores, self._owner_of = search, parts, stores, owner_of
-        self._apart = apart
+        self._search, self._parts, self._codes, self._stores = search, parts, codes, stores
+        self._owner_of, self._apart = owner_of, apart
         self._every_goal = stores.question([ALL_GOALS])
         self._shares: dict[Any, Share] = {}
         """StateFrame, with what all parts of a state have in common, → what can happen around them."""
@@ -114,16 +110,16 @@ class PartSteps:
     def leave(self, number: int, store: Store, code: int) -> None:
         """Everything that can happen in a state, which has a code among others."""
         if self._apart is not None:
-            self._leave_apart(self._apart, number, self._search.spot(code), store, code)
+            self._leave_apart(self._apart, number, self._codes.spot(code), store, code)
         elif not self._leave_by_halves(number, store, code):
-            self._leave_by_parts(number, self._search.spot(code), store, code)
+            self._leave_by_parts(number, self._codes.spot(code), store, code)
 
     def _leave_by_halves(self, number: int, store: Store, code: int) -> bool:
         """The same, where each half of its parts rests on itself alone, and is known; whether that is so."""
-        search, width = self._search, self._search.widest
+        search, width = self._search, self._codes.widest
         if store.goals or width == 1:
             return False
-        table = self._tables.get(code >> BITS * width)
+        table = self._tables.get(self._codes.head_of(code))
         if table is None:
             table = self._table(code)
         inner = BITS * (width // 2)
@@ -151,8 +147,8 @@ class PartSteps:
 
     def _table(self, code: int) -> HalfTable:
         """What is known of the halves of states with the frame of one."""
-        table = self._by_frame.setdefault(self._search.spot(code).frame, (Halves(), Halves(), Halves()))
-        self._tables[code >> BITS * self._search.widest] = table
+        table = self._by_frame.setdefault(self._codes.spot(code).frame, (Halves(), Halves(), Halves()))
+        self._tables[self._codes.head_of(code)] = table
         return table
 
     def _learn(self, table: HalfTable, codes: tuple[int, int], store: Store, code: int) -> None:
@@ -161,7 +157,7 @@ class PartSteps:
             self._tables.clear()
             self._by_frame.clear()
             self._halves = 0
-        spot, middle = self._search.spot(code), self._search.widest - self._search.widest // 2
+        spot, middle = self._codes.spot(code), self._codes.widest - self._codes.widest // 2
         slots, view = self._slots_of(spot), self._view(spot)
         around = reduce(or_, (slot.summary for slot in slots)) & OUTER
         for halves, key, first, some, shares in (
@@ -241,7 +237,7 @@ class PartSteps:
 
     def _leave_apart(self, apart: SeparateRegions, number: int, spot: PartNumbers, store: Store, code: int) -> None:
         """The same, but steps are made of one group alone once it has moved."""
-        head, depth = code >> BITS * self._search.widest, self._search.depth_of(number)
+        head, depth = self._codes.head_of(code), self._search.depth_of(number)
         groups = [*apart.moved(head, spot.parts), OUTSIDE]
         summary = 0
         for slot in self._slots_of(spot):
@@ -275,7 +271,7 @@ class PartSteps:
             summary |= slot.summary
         known = self._shares_of(spot, slots, summary, store)
         if None in known:
-            self._search.stop(number, place)
+            self._search.findings.stop(number, place)
         found, others = self._search.scenes(number, place)
         by_scope = self._by_scope(spot, [*found, *others])
         every = [*range(len(slots)), OUTSIDE, OF_GOALS]
@@ -309,7 +305,7 @@ class PartSteps:
                 course = self._search.each_way(scene, here, cache, view)
             courses.append(course)
         whole = joined(courses)
-        made = Course(whole, here.spot, self._search.widest)
+        made = Course(whole, here.spot, self._codes.widest)
         share.joined.add(self._stores.question(whole.asked), store, made, view)
 
     def _by_scope(self, spot: PartNumbers, scenes: Iterable[StepCase]) -> dict[int, list[StepCase]]:

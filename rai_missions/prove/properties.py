@@ -61,7 +61,7 @@ def claims(mission: Mission, space: Space, *, is_sampled: bool = False) -> list[
         is_sampled: Not every value that guards distinguish was tried.
     """
     found = {each.promise: Property(each.promise, "refuted", each.sentence, each.state, each.way)
-             for each in space.flaws.values()}  # fmt: skip
+             for each in space.findings.flaws.values()}  # fmt: skip
     is_whole = space.is_whole and not is_sampled
     for claim in (*_ends(space), *_rests(space), *(_options(mission, space) if is_whole else ()),
                   *(_rules(space) if is_whole else ())):  # fmt: skip

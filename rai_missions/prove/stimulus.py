@@ -6,11 +6,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Literal, NamedTuple
 
-__all__ = ("KINDS", "Stimulus", "StimulusKind")
+__all__ = ("CANCEL", "KILL", "KINDS", "START", "Stimulus", "StimulusKind")
 
 StimulusKind = Literal["start", "event", "robot", "answer", "write", "time", "command"]
 KINDS: tuple[StimulusKind, ...] = ("start", "event", "robot", "answer", "write", "time", "command")
 """`robot`: a goal's, call's or behaviour's report, or a handover. `write`: something known changes."""
+START, CANCEL, KILL = "the mission starts", "the operator cancels", "the operator gives the e-stop"
+"""The words of these three."""
 
 
 class Stimulus(NamedTuple):

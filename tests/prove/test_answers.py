@@ -267,7 +267,7 @@ def test_a_fallback_brings_nothing_of_the_answer_that_was_refused() -> None:
 def test_a_deadline_brings_nothing_of_an_answer_that_was_tried_before() -> None:
     leave: Json = {"on": "leave", "when": {"fresh": "answer.n"}, "to": "odd"}
     asked: Json = {**ASKING, "transitions": [leave, {"on": ["give", "leave"], "to": "over"}]}
-    assert space_of(Backwards(asking_mission(asked=asked))).entered == {"asked", "over"}
+    assert space_of(Backwards(asking_mission(asked=asked))).findings.entered == {"asked", "over"}
 
 
 class Keeping(RecordingSpace):
@@ -338,4 +338,4 @@ def test_a_parameter_that_is_read_later_can_be_anything_then() -> None:
                                    {"after_s": 2, "to": "over"}]}  # fmt: skip
     asked: Json = {**ASKING, "transitions": [{"on": "give", "to": "later"}, {"on": "leave", "to": "over"}]}
     space = space_of(Environment(asking_mission(asking=asked, later=later)))
-    assert space.is_whole and {"odd", "over"} <= space.entered
+    assert space.is_whole and {"odd", "over"} <= space.findings.entered

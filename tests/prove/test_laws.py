@@ -63,13 +63,19 @@ def hold_against_forgetless(document: Json, most: int) -> None:
     assume(every.is_whole)
     few = explored(mission, most)
     assert few.is_whole and few.states <= every.states
-    assert (few.seen, few.taken, few.entered) == (every.seen, every.taken, every.entered)
+    assert (few.seen, few.findings.taken, few.findings.entered) == (
+        every.seen,
+        every.findings.taken,
+        every.findings.entered,
+    )
     assert (
-        few.flaws.keys() == every.flaws.keys()
+        few.findings.flaws.keys() == every.findings.flaws.keys()
         and few.environment.instruments.answered == every.environment.instruments.answered
     )
     assert few.environment.instruments.seen == every.environment.instruments.seen
-    lengths = [{name: len(space.path(flaw.state)) for name, flaw in space.flaws.items()} for space in (few, every)]
+    lengths = [
+        {name: len(space.path(flaw.state)) for name, flaw in space.findings.flaws.items()} for space in (few, every)
+    ]
     assert lengths[0] == lengths[1]
 
 

@@ -100,7 +100,7 @@ def hold_against_long_lists(document: Json, items: int) -> None:
     assert not found.meter.ended and not expected.meter.ended
     for what in ("states", "seen", "taken", "entered", "ends"):
         assert getattr(found, what) == getattr(expected, what), what
-    assert found.flaws.keys() == expected.flaws.keys()
+    assert found.findings.flaws.keys() == expected.findings.flaws.keys()
 
 
 @settings(lenient, max_examples=4)

@@ -47,7 +47,8 @@ def found(mission: Mission, space: Space) -> Json:
         "states": space.states, "ways": Counter(map(repr, ways)), "edges": len({edge for _, edge in edges}),
         "by time": len(set(space.edges(time_only=True))), "waits": Counter(space.sets[k] for _, _, k in space.silent()),
         "marks": [len(each(space)) for each in (stuck, lost, circling)], "canceling": len(space.canceling),
-        "taken": space.taken, "entered": space.entered, "paused": space.in_pause, "rules": seen.seen,
+        "taken": space.findings.taken, "entered": space.findings.entered, "paused": space.findings.in_pause,
+        "rules": seen.seen,
         "answers": seen.answered,
         "claims": [(each.name, each.verdict, len(space.path(each.state)) if each.has_run else 0, each.way is None)
                    for each in claims(mission, space)],

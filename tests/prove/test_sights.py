@@ -134,7 +134,7 @@ def space_of(mission: Mission, kind: type[Environment] = Environment) -> Recordi
 
 
 def lengths(space: RecordingSpace) -> dict[str, int]:
-    return {name: len(space.path(flaw.state)) for name, flaw in space.flaws.items()}
+    return {name: len(space.path(flaw.state)) for name, flaw in space.findings.flaws.items()}
 
 
 def counts_at(place: str) -> Truth:
@@ -155,7 +155,7 @@ def hold_alike(few: RecordingSpace, every: RecordingSpace) -> None:
     for what in ("seen", "taken", "entered", "in_pause"):
         assert getattr(few, what) == getattr(every, what), what
     assert counted(few) == counted(every)
-    assert few.flaws.keys() == every.flaws.keys()
+    assert few.findings.flaws.keys() == every.findings.flaws.keys()
 
 
 def hold_against_whole(document: Json) -> None:
