@@ -15,7 +15,7 @@ from rai_missions.journal import Header, Journal, read
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.replay.replay import replay
-from visualize.live.run_view import RunScene
+from visualize.live.scene import RunScene
 
 MISSION = Mission.model_validate({
     "name": "dated", "initial": "on", "blackboard": {

@@ -6,10 +6,12 @@ Rule: the engine waits for no one. It leaves its steps in a queue; what a viewer
 Imports `engine`, `journal`, `mission` and `states`, and the modules of the root.
 """
 
-from visualize.live.feed import Feed, RunFeed
+from visualize.live.feed import Feed, FollowedRun, RunFeed
 from visualize.live.journal_feed import JournalFeed
-from visualize.live.run_view import RunScene
+from visualize.live.scene import RunScene
 from visualize.live.server import CommandSink, LivePage, PageAddress
 from visualize.live.talk import TalkDesk
 
-__all__ = ("CommandSink", "Feed", "JournalFeed", "LivePage", "PageAddress", "RunFeed", "RunScene", "TalkDesk")
+__all__ = (
+    "CommandSink", "Feed", "FollowedRun", "JournalFeed", "LivePage", "PageAddress", "RunFeed", "RunScene", "TalkDesk",
+)  # fmt: skip

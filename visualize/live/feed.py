@@ -12,9 +12,9 @@ from typing import Any, Protocol
 
 from rai_missions.engine.activities.goal_ledger import OpenGoal
 from rai_missions.engine.step import Step
-from visualize.live.run_view import MOST_TALK, TAIL, RunScene
+from visualize.live.scene import MOST_TALK, TAIL, RunScene
 
-__all__ = ("Feed", "RunFeed")
+__all__ = ("Feed", "FollowedRun", "RunFeed")
 
 MOST_WAITING = 512
 """Steps between the engine and the server; a server that falls behind looks again at the whole."""
@@ -39,24 +39,31 @@ class Feed(Protocol):
         """The run's clock."""
 
 
+class FollowedRun(Protocol):
+    """A run of this process, as its page looks at it; all of it is called from the page's thread."""
+
+    def look(self) -> RunScene:
+        """How the run is; at least as new as the step that the scene names."""
+
+    def now(self) -> float:
+        """Seconds on the run's clock."""
+
+    def closed_options(self) -> Mapping[int, Mapping[str, str]]:
+        """Question → option → why it would be refused if it were taken now."""
+
+    def loose_goals(self) -> Sequence[OpenGoal]:
+        """The goals that may still move the robot although nothing waits for them."""
+
+
 class RunFeed:
     """Follows a run of this process.
 
     Args:
-        look: Reports how the run is, from any thread. What it reports is at least as new as the step it names.
-        now: The run's clock.
-        closed: Reports which options of open questions would be refused now, from any thread.
-        loose: Reports which goals may still move the robot although nothing waits for them, from any thread.
+        run: Which one; after `renew` another.
     """
 
-    def __init__(
-        self,
-        look: Callable[[], RunScene],
-        now: Callable[[], float],
-        closed: Callable[[], Mapping[int, Mapping[str, str]]] = dict,
-        loose: Callable[[], Sequence[OpenGoal]] = tuple,
-    ) -> None:
-        self._look, self._now, self._closed, self._loose = look, now, closed, loose
+    def __init__(self, run: Callable[[], FollowedRun]) -> None:
+        self._run = run
         self._waiting: deque[Step] = deque(maxlen=MOST_WAITING)
         self._past: deque[Step] = deque(maxlen=TAIL)
         self._wake: Callable[[], None] | None = None
@@ -116,7 +123,7 @@ class RunFeed:
             try:
                 step = self._waiting.popleft()
             except IndexError:
-                scene.loosen([goal.data() for goal in self._loose()])
+                scene.loosen([goal.data() for goal in self._run().loose_goals()])
                 return scene
             if step.seq > scene.seq + 1:
                 self._waiting.clear()
@@ -128,17 +135,17 @@ class RunFeed:
         self._waiting.clear()
 
     def closed(self) -> Mapping[int, Mapping[str, str]]:
-        return self._closed()
+        return self._run().closed_options()
 
     def now(self) -> float:
-        return self._now()
+        return self._run().now()
 
     def _whole(self) -> RunScene:
         self._is_renewed = False
-        scene = self._look()
+        scene = self._run().look()
         for line in tuple(self._spoken.values()):
             scene.converse(line)
-        scene.loosen([goal.data() for goal in self._loose()])
+        scene.loosen([goal.data() for goal in self._run().loose_goals()])
         if self._order is not None:
             scene.recall_order(self._order)
         scene.recall(step for step in tuple(self._past) if step.seq <= scene.seq)

@@ -17,7 +17,7 @@ from typing import Any
 
 from rai_missions.errors import UsageError
 from visualize.live.feed import Feed
-from visualize.live.run_view import RunScene
+from visualize.live.scene import RunScene
 
 __all__ = ("BEAT_S", "Hub", "Viewer")
 

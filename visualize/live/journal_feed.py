@@ -22,7 +22,7 @@ from rai_missions.journal.rows import GENESIS, Raw, chained
 from rai_missions.journal.sqlite import Lock
 from rai_missions.mission.mission import Mission
 from rai_missions.redaction import shown
-from visualize.live.run_view import RunScene
+from visualize.live.scene import RunScene
 
 __all__ = ("JournalFeed",)
 

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from rai_missions.node.web_operator import WebCommands
     from rai_missions.runtime.lifecycle import Status
     from rai_missions.runtime.runner import Result, Runner
+    from rai_missions.runtime.view import RunView
     from visualize.live import LivePage, PageAddress, RunFeed, RunScene
     from visualize.live.app import ReplyCallback
 
@@ -147,7 +148,7 @@ def _check_mission(journal: Path) -> None:
 
 
 class ShownRun(NamedTuple):
-    """A run as a page shows it."""
+    """A run as a page shows it, from the page's thread."""
 
     session: RunSession
     closed: ClosedOptions
@@ -155,6 +156,43 @@ class ShownRun(NamedTuple):
     """Carries orders to it."""
     where: str
     """Which it is, and its journal, in words."""
+
+    @property
+    def view(self) -> RunView:
+        return self.session.runner.view
+
+    def now(self) -> float:
+        """Seconds on the run's clock."""
+        return self.view.now()
+
+    def loose_goals(self) -> Sequence[OpenGoal]:
+        """The goals that may still move the robot although nothing waits for them."""
+        return self.view.loose_goals
+
+    def questions(self) -> list[Question]:
+        """Those that are open."""
+        return [each.question for each in self.session.questions()]
+
+    def closed_options(self) -> Mapping[int, Mapping[str, str]]:
+        """Question → option → why it would be refused now."""
+        return self.closed.now(self.questions(), self.view, self.now())
+
+    def look(self) -> RunScene:
+        """How the run is; read while it continues, so the number of the step that was reported last is read first."""
+        from visualize.live import RunScene
+
+        seq, mode, view = self.session.seq, self.session.mode, self.view
+        at, paused_at = self.now(), view.paused_at
+        is_paused = mode == "paused"
+        return RunScene(
+            seq=seq, at=at, mode=mode, control=view.holder, active=set(view.active),
+            board={key: (entry.value, entry.at) for key, entry in view.board.items()},
+            questions={each.number: each for each in self.questions()},
+            outcome=view.outcome or "", why=view.why if view.outcome else "",
+            run=self.session.runner.run_id, where=self.where, held_by=view.held_by, held_since=view.held_since,
+            paused_at=(at if paused_at is None else paused_at) if is_paused else None,
+            paused_by=view.resumed_mode_by if is_paused and paused_at is not None else "",
+        )  # fmt: skip
 
 
 class RunPage:
@@ -225,8 +263,7 @@ class RunPage:
 
     def submit(self, text: str, on_reply: ReplyCallback) -> None:
         """Carry a page's order to the run that it shows."""
-        assert self._shown is not None
-        self._shown.desk.submit(text, on_reply)
+        self._current.desk.submit(text, on_reply)
 
     def _stop_late(self, by: str) -> None:
         if self._talk is not None:
@@ -237,7 +274,7 @@ class RunPage:
         from visualize.live import RunFeed
 
         talk = self._talk
-        self._feed = RunFeed(self._look, self._now, self._closed, self._loose)
+        self._feed = RunFeed(lambda: self._current)
         on_viewers = talk.doors_changed if talk is not None else lambda: None
         for line in (*(talk.earlier if talk is not None else ()), *self._early):
             self._feed.talk(line._asdict())
@@ -245,45 +282,11 @@ class RunPage:
         print(f"watch: {self._page.url}", file=sys.stderr, flush=True)
         print(f"watch, for viewers: {self._page.viewer_url}", file=sys.stderr, flush=True)
 
-    # -- the run that is shown, from the page's thread ---------------------------------------------------------------
-
-    def _now(self) -> float:
-        return self._run.view.now()
-
-    def _closed(self) -> Mapping[int, Mapping[str, str]]:
-        assert self._shown is not None
-        return self._shown.closed.now(self._asked(), self._run.view, self._run.view.now())
-
-    def _loose(self) -> Sequence[OpenGoal]:
-        return self._run.view.loose_goals
-
     @property
-    def _run(self) -> Runner:
+    def _current(self) -> ShownRun:
+        """The run that is shown; a page is served once there is one."""
         assert self._shown is not None
-        return self._shown.session.runner
-
-    def _look(self) -> RunScene:
-        """How the run is; read while it continues, so the number of the step that was reported last is read first."""
-        from visualize.live import RunScene
-
-        assert self._shown is not None
-        session = self._shown.session
-        chart = session.runner.view
-        seq, mode = session.seq, session.mode
-        questions = self._asked()
-        board = {key: (entry.value, entry.at) for key, entry in chart.board.items()}
-        scene = RunScene(
-            seq=seq, at=chart.now(), mode=mode, control=chart.holder, active=chart.active, board=board,
-            questions=questions, outcome=chart.outcome or "", why=chart.why if chart.outcome else "",
-        )  # fmt: skip
-        scene.run, scene.where = session.runner.run_id, self._shown.where
-        if mode == "paused" and chart.paused_at is not None:
-            scene.paused_at, scene.paused_by = chart.paused_at, chart.resumed_mode_by
-        scene.held_by, scene.held_since = chart.held_by, chart.held_since
-        return scene
-
-    def _asked(self) -> list[Question]:
-        return [each.question for each in self._shown.session.questions()] if self._shown is not None else []
+        return self._shown
 
     def _follow_step(self, step: Step) -> None:
         shown, feed = self._shown, self._feed

@@ -9,10 +9,11 @@ import json
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from rai_missions.engine import Chart
+from rai_missions.engine.activities.goal_ledger import OpenGoal
 from rai_missions.engine.step import Step
 from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event
@@ -38,7 +39,7 @@ class Run:
         self.chart, self.life, self.steps = Chart(mission, ticker=CompiledTrees()), Lifecycle(), list[Step]()
         self.mode, self.control, self.run_id = "ready", "autonomy", ""
         self.closed: dict[int, dict[str, str]] = {}
-        self.feed = RunFeed(self.look, lambda: self.chart.at, lambda: self.closed)
+        self.feed = RunFeed(lambda: self)
         self.mission, self.desk, self.about = mission, desk, dict[str, Any](about or {})
 
     def __enter__(self) -> Run:
@@ -53,12 +54,20 @@ class Run:
         chart = self.chart
         seq = chart.seq
         board = {key: (entry.value, entry.at) for key, entry in dict(chart.view.board).items()}
-        scene = RunScene(
-            seq=seq, at=chart.at, mode=self.mode, control=chart.holder, active=chart.active, board=board,
-            outcome=chart.outcome or "", why=chart.why if chart.outcome else "", questions=chart.questions,
+        return RunScene(
+            seq=seq, at=chart.at, mode=self.mode, control=chart.holder, active=set(chart.active), board=board,
+            outcome=chart.outcome or "", why=chart.why if chart.outcome else "", run=self.run_id,
+            questions={each.number: each for each in chart.questions},
         )  # fmt: skip
-        scene.run = self.run_id
-        return scene
+
+    def now(self) -> float:
+        return self.chart.at
+
+    def closed_options(self) -> Mapping[int, Mapping[str, str]]:
+        return self.closed
+
+    def loose_goals(self) -> Sequence[OpenGoal]:
+        return ()
 
     def start(self) -> Step:
         return self._made(self.chart.start(at=self.chart.at))

@@ -150,9 +150,9 @@ class ReadFeed(RunFeed):
         return await super().begin(wake)
 
 
-def test_viewers_that_come_while_the_run_is_read_are_counted() -> None:
+def test_viewers_that_come_while_the_run_is_read_are_counted(run: Run) -> None:
     async def come() -> list[Any]:
-        watched = hub.Hub(ReadFeed(RunScene, lambda: 0.0))
+        watched = hub.Hub(ReadFeed(lambda: run))
         more = hub.MOST_VIEWERS + 3
         found = await asyncio.gather(*(watched.join() for _ in range(more)), return_exceptions=True)
         assert watched.viewers == hub.MOST_VIEWERS
@@ -200,8 +200,8 @@ def test_without_a_viewer_nothing_is_made_of_a_step(run: Run, monkeypatch: pytes
     def encoded(*_: Any) -> Any:
         raise AssertionError("something was made for no viewer")
 
-    monkeypatch.setattr("visualize.live.run_view.line", encoded)
-    monkeypatch.setattr("visualize.live.run_view.bounded", encoded)
+    monkeypatch.setattr("visualize.live.scene.line", encoded)
+    monkeypatch.setattr("visualize.live.scene.bounded", encoded)
     for act in ("obstacle", "anomaly", "agent", "replan"):
         play(run, act)
     run.write("camera", Image("camera@1", 4, 3, "rgb8", encoded))

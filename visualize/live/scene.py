@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 from rai_missions.engine.decision import Question
@@ -27,62 +28,65 @@ MOST_TALK = 200
 """Lines of the conversation that are kept."""
 
 
+@dataclass(eq=False)
 class RunScene:
-    """A run as far as it has been followed.
+    """A run as far as it has been followed; times are on the run's clock."""
 
-    Args:
-        seq: The last step that is in it.
-        at: When that was, on the run's clock.
-        mode: As `rai_missions.runtime.lifecycle.MODES` has it.
-        control: Who holds control.
-        active: The active states.
-        board: Key → value and stamp.
-        questions: Those that are open.
-        outcome, why: How it ended, if it has.
-    """
-
-    def __init__(
-        self, *, seq: int = 0, at: float = 0.0, mode: str = "ready", control: str = "autonomy",
-        active: Iterable[str] = (), board: Mapping[str, tuple[Any, float]] | None = None,
-        questions: Iterable[Question] = (), outcome: str = "", why: str = "",
-    ) -> None:  # fmt: skip
-        self.seq, self.at, self.mode, self.control = seq, at, mode, control
-        self.active, self.outcome, self.why = set(active), outcome, why
-        self.board: dict[str, tuple[Any, float]] = dict(board or {})
-        self.questions = {question.number: question for question in questions}
-        self.paused_at: float | None = at if mode == "paused" else None
-        self.paused_by = ""
-        """Who paused it; empty while it is not paused, and where that is not known."""
-        self.run = ""
-        """The run's id; empty where the page has but one."""
-        self.where = ""
-        """Which run it is, and where it is written down; empty where the page has but one."""
-        self.e_stop_by = ""
-        """Whose e-stop ended it; empty where none did."""
-        self.ended_at: float | None = None
-        """When it ended, on the run's clock; None while it has not."""
-        self.held_by = ""
-        """Who holds the mission up: the `operator`, who has taken control, or `nobody`; empty while it is not held."""
-        self.held_since: float | None = None
-        """Since when, on the run's clock."""
-        self._asked_for = ""
-        self.cut = ""
-        """How it is known that the run was cut short; empty where it was not."""
-        self.closed: dict[str, dict[str, str]] = {}
-        """Question's number, as text → option → why it would be refused if it were taken now."""
-        self.faults: list[str] = []
-        """What keeps the page from showing all of the run."""
-        self.open_goals: list[Json] = []
-        """The goals that may still move the robot although nothing waits for them, as the journal has them."""
-        self.tail: deque[Json] = deque(maxlen=TAIL)
-        """The last steps that did something."""
-        self.talk: dict[int, Json] = {}
-        """The last lines of the conversation with the robot, by their numbers."""
-        self._spoken: list[Json] = []
-        self._answered: set[int] = set()
-        self._fields: set[str] = set()
-        self._written: set[str] = set()
-        self._lines: list[Json] = []
+    seq: int = 0
+    """The last step that is in it."""
+    at: float = 0.0
+    """When that was."""
+    mode: str = "ready"
+    """As `rai_missions.runtime.lifecycle.MODES` has it."""
+    paused_at: float | None = None
+    """Since when it is paused; None while it is not."""
+    paused_by: str = ""
+    """Who paused it; empty while it is not paused, and where that is not known."""
+    control: str = "autonomy"
+    """Who holds control."""
+    held_by: str = ""
+    """Who holds the mission up: the `operator`, who has taken control, or `nobody`; empty while it is not held."""
+    held_since: float | None = None
+    """Since when."""
+    active: set[str] = field(default_factory=set)
+    """The active states."""
+    board: dict[str, tuple[Any, float]] = field(default_factory=dict)
+    """Key → value and stamp."""
+    questions: dict[int, Question] = field(default_factory=dict)
+    """Those that are open, by their numbers."""
+    closed: dict[str, dict[str, str]] = field(default_factory=dict)
+    """Question's number, as text → option → why it would be refused if it were taken now."""
+    open_goals: list[Json] = field(default_factory=list)
+    """The goals that may still move the robot although nothing waits for them, as the journal has them."""
+    outcome: str = ""
+    """How it ended; empty while it has not."""
+    why: str = ""
+    """The rule that ended it."""
+    ended_at: float | None = None
+    """When it ended; None while it has not."""
+    e_stop_by: str = ""
+    """Whose e-stop ended it; empty where none did."""
+    run: str = ""
+    """The run's id; empty where the page has but one."""
+    where: str = ""
+    """Which run it is, and where it is written down; empty where the page has but one."""
+    cut: str = ""
+    """How it is known that the run was cut short; empty where it was not."""
+    faults: list[str] = field(default_factory=list)
+    """What keeps the page from showing all of the run."""
+    tail: deque[Json] = field(default_factory=lambda: deque(maxlen=TAIL))
+    """The last steps that did something."""
+    talk: dict[int, Json] = field(default_factory=dict)
+    """The last lines of the conversation with the robot, by their numbers."""
+    _asked_for: str = field(default="", init=False)
+    """Who was asked to take control last."""
+    _answered: set[int] = field(default_factory=set, init=False)
+    """The questions whose answers came while the run was paused or held."""
+    _fields: set[str] = field(default_factory=set, init=False)
+    """What has changed since it was last reported: fields by name, keys, steps, and lines of the conversation."""
+    _written: set[str] = field(default_factory=set, init=False)
+    _lines: list[Json] = field(default_factory=list, init=False)
+    _spoken: list[Json] = field(default_factory=list, init=False)
 
     # -- following ------------------------------------------------------------------------------------------------
 
