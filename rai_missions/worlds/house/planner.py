@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 __all__ = ("Cell", "plan")
 
 Cell = tuple[int, int]
+WAY_OUT, WAY_OUT_COST = 3, 50.0
+"""So far, in cells, a robot that is too close to something may go over infinite cells, and what each of them costs."""
 NEIGHBOURS = [(dy, dx, math.hypot(dy, dx)) for dy in (-1, 0, 1) for dx in (-1, 0, 1) if (dy, dx) != (0, 0)]
 
 
@@ -33,6 +35,7 @@ def plan(cost: NDArray[np.float64], start: Cell, goal: Cell) -> list[Cell] | Non
     left = _left(rows, columns, goal)
     steps = [(dy * wide + dx, far) for dy, dx, far in NEIGHBOURS]
     first, last = ((row + 1) * wide + column + 1 for row, column in (start, goal))
+    way_out = _near(start, rows, columns, wide)
     known = [math.inf] * len(costs)
     known[first] = 0.0
     came: dict[int, int] = {}
@@ -50,23 +53,21 @@ def plan(cost: NDArray[np.float64], start: Cell, goal: Cell) -> list[Cell] | Non
         for by, far in steps:
             there = here + by
             step = costs[there]
-            if step == math.inf:
-                if not is_stuck:
-                    continue
-                cell = there // wide - 1, there % wide - 1
-                if not (0 <= cell[0] < rows and 0 <= cell[1] < columns and _is_near(cell, start)):
-                    continue
-                step = 50.0
+            if is_stuck and step == math.inf and there in way_out:
+                step = WAY_OUT_COST
             total = so_far + far * step
             if total < known[there]:
-                known[there] = total
-                came[there] = here
+                known[there], came[there] = total, here
                 heapq.heappush(waiting, (total + left[there], next(number), there))
     return None
 
 
-def _is_near(cell: Cell, start: Cell) -> bool:
-    return abs(cell[0] - start[0]) <= 3 and abs(cell[1] - start[1]) <= 3
+def _near(cell: Cell, rows: int, columns: int, wide: int) -> set[int]:
+    """The numbers of the cells around one, in lines so wide."""
+    (top, bottom), (left, right) = (
+        (max(0, at - WAY_OUT), min(many, at + WAY_OUT + 1)) for at, many in zip(cell, (rows, columns), strict=True)
+    )
+    return {(row + 1) * wide + column + 1 for row in range(top, bottom) for column in range(left, right)}
 
 
 def _left(rows: int, columns: int, goal: Cell) -> list[float]:
