@@ -35,30 +35,30 @@ class FrameHistory:
     Args:
         camera: Whose frames are as large as its pictures.
         seed: Of the depth's noise.
-        depth: The topic of the depth.
-        lens: The topic of the lens.
+        topics: Of the picture, of its depth and of the lens.
         fovy_deg: The camera's field of view, top to bottom.
     """
 
-    def __init__(self, camera: Camera, seed: int, *, depth: str, lens: str, fovy_deg: float) -> None:
-        self._camera, self._seed = camera, seed
-        self._depth, self._lens, self._fovy_deg = depth, lens, fovy_deg
+    def __init__(self, camera: Camera, seed: int, *, topics: tuple[str, str, str], fovy_deg: float) -> None:
+        self._camera, self._seed, self._topics, self._fovy_deg = camera, seed, topics, fovy_deg
         self._lock = threading.Lock()
         self._moments: OrderedDict[int, Moment] = OrderedDict()
         self._measured: OrderedDict[int, Frame] = OrderedDict()
 
-    def publish(self, outbox: Outbox, moment: Moment, at: float) -> None:
-        """Publish the depth and the lens of a moment, and remember it; the picture itself follows.
+    def publish(self, outbox: Outbox, data: Any, at: float) -> None:
+        """Publish what the camera sees now, and remember it.
 
         Args:
             outbox: Where to.
-            moment: The moment.
-            at: When it is, s.
+            data: The state of the physics.
+            at: When that is, s.
         """
+        moment, (colour, depth, lens) = self._camera.moment(data), self._topics
         width, height = self._camera.width, self._camera.height
-        picture = Image(f"/{self._depth}@{at:.3f}", width, height, "16UC1", lambda: self._depth_mm(at, moment))
-        outbox.publish(self._lens, messages.camera_info(width, height, self._fovy_deg, at))
-        outbox.publish(self._depth, messages.image(picture, at))
+        measured = Image(f"/{depth}@{at:.3f}", width, height, "16UC1", lambda: self._depth_mm(at, moment))
+        outbox.publish(lens, messages.camera_info(width, height, self._fovy_deg, at))
+        outbox.publish(depth, messages.image(measured, at))
+        outbox.publish(colour, messages.image(self._camera.picture(moment, f"/{colour}@{at:.3f}"), at))
         with self._lock:
             self._moments[_milliseconds(at)] = moment
             while len(self._moments) > KEPT:

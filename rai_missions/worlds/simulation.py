@@ -126,10 +126,3 @@ class Simulation:
     def _publish_battery(self, *, charging: bool = False) -> None:
         percentage, voltage = self.battery.percentage, self.battery.voltage
         self._outbox.publish("battery", messages.battery_state(percentage, voltage, self.at, charging=charging))
-
-    def _publish_picture(self, camera: Camera, topic: str, ref: str) -> Any:
-        """Publish what the camera sees now, rendered when someone looks; gives the moment."""
-        moment = camera.moment(self.data)
-        picture = camera.picture(moment, f"{ref}@{self.at:.3f}")
-        self._outbox.publish(topic, messages.image(picture, self.at))
-        return moment

@@ -71,16 +71,10 @@ class Desk(Simulation):
         errors = LookErrors.of(detector)
         self.objects = desk_objects(scene, seed)
         wrong = DeskFaults.of(faults, [one.name for one in self.objects])
-        outbox = Outbox("", {**interface.TOPICS, **arm.TOPICS})
         super().__init__(
-            build(self.objects, fragment()),
-            outbox,
-            None,
-            camera=camera,
-            start_s=start_s,
-            timestep_s=TIMESTEP_S,
-            aligned=True,
-        )
+            build(self.objects, fragment()), Outbox("", {**interface.TOPICS, **arm.TOPICS}), None,
+            camera=camera, start_s=start_s, timestep_s=TIMESTEP_S, aligned=True,
+        )  # fmt: skip
         self.arm = Arm(self.model, self.data)
         settle(self.model, self.data, self.objects)
         self.judge = DeskJudge(self.model, self.data, self.objects)
@@ -98,7 +92,7 @@ class Desk(Simulation):
     def _camera_frames(self, seed: int) -> FrameHistory | None:
         if self.camera is None:
             return None
-        return FrameHistory(self.camera, seed, depth=interface.DEPTH, lens=interface.LENS, fovy_deg=FRONT_FOVY_DEG)
+        return FrameHistory(self.camera, seed, topics=interface.SEEN, fovy_deg=FRONT_FOVY_DEG)
 
     def _detector(self, things: Mapping[int, Thing], seed: int, errors: LookErrors) -> DetectorServices | None:
         if self._frames is None:
@@ -149,9 +143,8 @@ class Desk(Simulation):
             self.arm.publish(self._outbox, self.at)
             if self._is_due(LOOK):
                 self._look()
-                if self.camera is not None and self._frames is not None:
-                    self._frames.publish(self._outbox, self.camera.moment(self.data), self.at)
-                    self._publish_picture(self.camera, interface.COLOUR, f"/{interface.COLOUR}")
+                if self._frames is not None:
+                    self._frames.publish(self._outbox, self.data, self.at)
             self.arm.report(self.at)  # after the facts that its results rest on
         self._outbox.send()
 

@@ -124,7 +124,7 @@ class House(Simulation):
     def _camera_frames(self, seed: int) -> FrameHistory | None:
         if self.camera is None:
             return None
-        return FrameHistory(self.camera, seed, depth=interface.DEPTH, lens=interface.LENS, fovy_deg=CAMERA_FOVY_DEG)
+        return FrameHistory(self.camera, seed, topics=interface.SEEN, fovy_deg=CAMERA_FOVY_DEG)
 
     def _detector(self, seed: int, errors: DetectorErrors) -> DetectorServices | None:
         if self._frames is None:
@@ -179,9 +179,7 @@ class House(Simulation):
 
     def _scan(self) -> None:
         ranges = self._lidar.scan()
-        self.navigator.see(
-            self._lidar.place, self.pose.heading, self._lidar.angles, ranges, self._low_scan.look()
-        )  # fmt: skip
+        self.navigator.see(self._lidar.place, self.pose.heading, self._lidar.angles, ranges, self._low_scan.look())
         self._outbox.publish("scan", interface.laser_scan(ranges, self.at, FAST * self.period_s))
 
     def _drive(self) -> None:
@@ -205,9 +203,8 @@ class House(Simulation):
             self._outbox.publish("odom", interface.odometry(pose, PLACES["dock"], at))
         if self._is_due(SLOW):
             self._publish_battery(charging=self.is_charging)
-        if self.camera is not None and self._frames is not None and self._is_due(MEDIUM):
-            self._frames.publish(self._outbox, self.camera.moment(self.data), at)
-            self._publish_picture(self.camera, interface.CAMERA, f"/{interface.CAMERA}")
+        if self._frames is not None and self._is_due(MEDIUM):
+            self._frames.publish(self._outbox, self.data, at)
         while self._speech and self._speech[0].at_s <= self.since():
             self._outbox.publish(FROM_HUMAN, self._speech.pop(0).message(at))
 

@@ -282,7 +282,9 @@ class Orchard(Simulation):
     def _look(self, pose: TractorPose) -> None:
         moment = None
         if self.camera is not None:
-            moment = self._publish_picture(self.camera, "camera_image_color", self._outbox.name("camera"))
+            moment = self.camera.moment(self.data)
+            picture = self.camera.picture(moment, f"{self._outbox.name('camera')}@{self.at:.3f}")
+            self._outbox.publish(SEEN[0], messages.image(picture, self.at))
         if self.layout.alley_at(pose.x + math.cos(pose.heading) * 2.5, pose.y) is not None:
             fact = self.look(moment)
             if fact is not None:
