@@ -43,23 +43,28 @@ def main() -> int:
     with based(given.base) as base:
         trees = [ROOT, *([base] if base else [])]
         found: dict[Path, Measured] = {tree: {} for tree in trees}
-        for name in given.names:
-            for round_number in range(given.rounds):
-                order = trees if round_number % 2 == 0 else trees[::-1]
-                for tree in order:
-                    where = "" if tree == ROOT else f" of {given.base}"
-                    print(f"== {name}{where}, round {round_number + 1} of {given.rounds}", flush=True)
-                    ran, figures = run(name, tree)
-                    for each in figures:
-                        found[tree].setdefault(each.name, []).append(each)
-                    if not ran and f"{name}{where}" not in failed:
-                        failed.append(f"{name}{where}")
+        for name, number, tree in turns(given.names, given.rounds, trees):
+            what = name if tree == ROOT else f"{name} of {given.base}"
+            print(f"== {what}, round {number} of {given.rounds}", flush=True)
+            ran, figures = run(name, tree)
+            for each in figures:
+                found[tree].setdefault(each.name, []).append(each)
+            if not ran and what not in failed:
+                failed.append(what)
         page = written(found[ROOT], found[base] if base else None, given, failed)
     given.page.write_text(page, encoding="utf-8")
     print(f"wrote {given.page}")
     if failed:
         print(f"these did not come to their end: {', '.join(failed)}", file=sys.stderr)
     return 1 if failed else 0
+
+
+def turns(names: Sequence[str], rounds: int, trees: Sequence[Path]) -> Iterator[tuple[str, int, Path]]:
+    """Benchmark, number of the round, and tree; each round begins with the tree with which the one before ended."""
+    for name in names:
+        for number in range(1, rounds + 1):
+            for tree in trees if number % 2 else trees[::-1]:
+                yield name, number, tree
 
 
 def benchmarks() -> dict[str, bool]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from rai_missions.connectors.connector import Answer
 from rai_missions.errors import ConnectorError
 from rai_missions.image import Image
 from rai_missions.worlds import messages
@@ -18,9 +19,7 @@ from rai_missions.worlds.frame_history import FrameHistory
 from rai_missions.worlds.open_set_detector import OpenSetDetector
 from rai_missions.worlds.perception.detections import CLASSIFY, SEGMENT, array_message, classes_of, detections_of
 
-__all__ = ("Answer", "DetectorServices")
-
-Answer = Callable[[Mapping[str, Any]], dict[str, Any]]
+__all__ = ("DetectorServices",)
 
 
 class DetectorServices:

@@ -13,7 +13,7 @@ from typing import Any
 
 import mujoco
 
-from rai_missions.connectors.connector import Connector, Message
+from rai_missions.connectors.connector import Answer, Connector, Message
 from rai_missions.errors import UsageError
 from rai_missions.worlds import messages
 from rai_missions.worlds.battery import Battery
@@ -147,7 +147,9 @@ class House(Simulation):
     def open(self, connector: Connector) -> None:
         """Put the robot's topics and actions, and a service for each door, on a connector."""
         actions = [(*name, server) for name, server in self._servers.items()]
-        services = {(f"/house/{door}", "std_srvs/srv/SetBool"): self._door(door) for door in DOORS}
+        services: dict[tuple[str, str], Answer] = {
+            (f"/house/{door}", "std_srvs/srv/SetBool"): self._door(door) for door in DOORS
+        }
         if self._detecting is not None:
             services |= self._detecting.services()
         without = () if self._speech else (FROM_HUMAN,)
