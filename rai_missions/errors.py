@@ -55,11 +55,11 @@ class Fault(NamedTuple):
 
 
 class MissionError(Exception):
-    """Whatever `rai_missions` raises on purpose."""
+    """The base of the errors of `rai_missions`; any other exception is a fault of its own."""
 
 
 class DefinitionError(MissionError):
-    """The author of a mission, profile or journal mends it: every fault at once.
+    """A mission, profile or journal is at fault: all faults at once, for its author to mend.
 
     Args:
         faults: At least one fault, in document order.
@@ -78,7 +78,7 @@ class DefinitionError(MissionError):
 
 
 class UsageError(MissionError):
-    """The caller mends it: a name that does not exist, a call at the wrong time."""
+    """A call is at fault, for the caller to mend: a name that does not exist, a call at the wrong time."""
 
 
 class ConnectorError(MissionError):

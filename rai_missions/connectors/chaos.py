@@ -26,7 +26,7 @@ GARBAGE: tuple[Any, ...] = (math.nan, math.inf, -math.inf, None, "", "nan", [], 
 
 @dataclass(frozen=True)
 class Rates:
-    """How often, 0 to 1, something befalls what passes."""
+    """The probability, 0 to 1, of each fault of a `ChaosConnector`."""
 
     lose: float = 0.05
     delay: float = 0.2
@@ -49,13 +49,13 @@ def by_thread(seconds: float, do: Callable[[], None]) -> None:
 
 
 class ChaosConnector(ConnectorWrapper):
-    """Another connector, worse; a `Connector`. For drills: not for use on a robot.
+    """A `Connector` that loses, delays, repeats and spoils what goes through another one, for drills without a robot.
 
     Args:
-        connector: Through which everything goes.
-        seed: What befalls what follows from it.
-        incoming: What befalls messages received, replies and reports.
-        outgoing: What befalls messages sent, calls, goals and cancels.
+        connector: The other one.
+        seed: The same seed and the same traffic have the same faults.
+        incoming: How often what of messages received, replies and reports.
+        outgoing: How often what of messages sent, calls, goals and cancels.
         later: Has something done after so many seconds; on the wall's clock by default.
     """
 

@@ -47,14 +47,16 @@ NO_WRITES: Written | None = ()
 
 
 class Chart:
-    """One run of a mission, as far as rules decide it.
+    """One run of a mission: events go in, and each gives the `Step` that the mission's rules make of it.
+
+    Nothing else happens: no clock runs, nothing is sent. What a step asks of the robot is in its `effects`.
 
     Args:
         mission: A mission that `check` finds no fault in.
         ticker: Who ticks trees: `rai_missions.trees.PyTrees()` for py_trees itself, which comes to the same.
         terms: What is known of the robot: which actions exclude each other, when a composed one has succeeded.
         named: The predicates that `{"named": …}` guards name.
-        surroundings: What a proof leaves open, and where it watches.
+        surroundings: Where a proof watches, and what it leaves open; a run needs none.
 
     Raises:
         UsageError: The mission names a predicate that was not given, or is none.

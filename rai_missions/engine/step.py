@@ -190,7 +190,7 @@ class Move(NamedTuple):
 
 
 class Step(NamedTuple):
-    """Everything one event did."""
+    """All that one event did, as a value: moves, writes, verdicts, and what the robot is asked for (`effects`)."""
 
     seq: int
     """From 1, without gaps in a run."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The gate: a small agent where the actuators are, which lets through only what the holder of control commands.
 
-Rule: it takes its orders from no one's memory. Who holds control is what the gate reports, by `lifecycle.py`'s rules.
+Rule: who holds control is what the gate reports, by `lifecycle.py`'s rules, whatever another program remembers.
 
 Imports `connectors`, `mission`, `model` and `runtime`, and the modules of the root.
 """

@@ -76,7 +76,7 @@ class CommandTopic(MissionModel):
 
 
 class GateWords(MissionModel):
-    """One gate: what it guards, and by which terms."""
+    """The configuration of one gate, as its JSON file has it: name, command topics, leases, safe holder."""
 
     format: Format = 1
     name: Topic = "/gate"

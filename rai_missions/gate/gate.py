@@ -52,13 +52,13 @@ STRING, EMPTY, TRIGGER = "std_msgs/msg/String", "std_msgs/msg/Empty", "std_srvs/
 
 
 class GateAgent:
-    """Is where the actuators are; an `Agent`.
+    """Serves a gate over a connector: passes on what the holder of control commands, and stops the rest; an `Agent`.
 
     Args:
-        words: What it guards, and by which terms.
+        words: Its configuration.
         connector: Started by its maker; its `now` is the clock's.
         clock: Time; the wall's by default.
-        observe: Notified of each deed in order, after it was done.
+        observe: Receives all that it does, in order: publishing, answering, a change of the holder.
         memory: Who held control when a gate was here last; without one it begins with its safe holder.
     """
 

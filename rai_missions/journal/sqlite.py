@@ -114,7 +114,7 @@ class Unbegun(NoJournal):
 
 @contextmanager
 def writing_at(path: Path, what: str = "a journal") -> Iterator[None]:
-    """Have what the system refuses, while a file is written, name that file.
+    """Raise what the system refuses while a file is written as an error that names the file.
 
     Args:
         path: The file.

@@ -26,7 +26,7 @@ MOST_FAULTS = 100
 
 
 def read(path: Path | str) -> Record:
-    """Opens a journal whose chain holds; nothing is changed by that, neither the file nor its folder.
+    """Open a journal and verify its chain of hashes; neither the file nor its folder is changed.
 
     Raises:
         UsageError: There is no such file, or it may not be read.
@@ -42,7 +42,7 @@ def read(path: Path | str) -> Record:
 
 
 def opened(path: Path | str) -> Record:
-    """Opens a journal of which nothing but row 0 has been looked at; `checked` looks at the rest.
+    """Open a journal and verify its row 0; `checked` verifies the rest.
 
     Raises:
         UsageError: There is no such file, or it may not be read.
@@ -58,7 +58,7 @@ def opened(path: Path | str) -> Record:
 
 
 def checked(record: Record) -> Iterator[JournalRow]:
-    """The rows of a journal that was opened and not read: each is looked at before it is given.
+    """The rows of a journal that was opened, not read: each is verified before it is given.
 
     Raises:
         DefinitionError: The chain does not hold: every fault with its row.

@@ -62,7 +62,7 @@ raise."""
 
 
 def versions() -> dict[str, str]:
-    """What a run depends on, for its header."""
+    """The versions of Python, of the format and of this package, for a journal's header."""
     ours = _version()
     return {"python": platform.python_version(), "format": "1", **({"rai_missions": ours} if ours else {})}
 

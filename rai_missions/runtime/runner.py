@@ -63,7 +63,8 @@ class Runner(RunCommands):
         answerers: Who answers questions, by the names in `ask`.
         clock: The run's time; the wall's by default.
         journal: Where the run is written; nowhere by default.
-        begin: What it begins with, or how far a run that was cut short had come; the clock must not be behind its time.
+        begin: The arguments and more of a new run, or where a run that was cut short is resumed; its clock then begins
+            at that time, or later.
         observer: Who follows it.
 
     Raises:

@@ -53,7 +53,7 @@ SORTS: Mapping[Any, tuple[tuple[type, ...], str]] = {
 
 
 class World(Protocol):
-    """What the simulated clock steps and the robot profile names."""
+    """A simulated robot and its surroundings: a profile names it, and the run's clock steps it."""
 
     period_s: float
     """How far one step goes: messages, services and control happen at this grain."""
