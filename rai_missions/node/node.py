@@ -20,7 +20,6 @@ from rai_missions.node.launched import parameters_of
 from rai_missions.node.lifecycle_callbacks import LifecycleCallbacks
 from rai_missions.node.managed_lifecycle import ManagedLifecycle, serve_lifecycle
 from rai_missions.node.names import NodeName
-from rai_missions.node.prerequisites import about
 from rai_missions.node.publisher import StatusPublisher
 from rai_missions.node.run_host import RunHost
 from rai_missions.node.run_session import RunSession
@@ -62,15 +61,12 @@ class MissionNode:
     ) -> None:  # fmt: skip
         robot = profile_of(setting)
         self._host = RunHost(setting, robot=robot, journals=journals, operator=operator)
-        called, self._about = about(setting.mission)
-        self.name: NodeName = name_of(name, called, robot, ros_arguments)
+        self.name: NodeName = name_of(name, self._host.called, robot, ros_arguments)
         self._carrier = carrier or open_carrier(robot, self.name, now=self._host.now, ros_arguments=ros_arguments)
         self._is_managed, self._on_end = managed, ended
         self._publisher = StatusPublisher(
-            self._carrier, self.name, lifecycle=lambda: (self._lifecycle.state.label, self._lifecycle.fault),
-            session=lambda: self._host.session, about=lambda: self._about,
-            robot=lambda: self._host.robot.name if self._host.robot is not None else "",
-        )  # fmt: skip
+            self._carrier, self.name, self._host, lambda: (self._lifecycle.state.label, self._lifecycle.fault)
+        )
         self._finalized = threading.Event()
         self._commands = CommandServer(self._begin if managed else None, self._publisher.changed)
         acts = LifecycleCallbacks(self._commands, ready=self._ready, finalized=self._finalized.set)
@@ -188,8 +184,7 @@ class MissionNode:
 
     def _ready(self) -> None:
         if self._is_managed:
-            mission = self._host.read()
-            self._about = (mission.name, mission.version)
+            self._host.read()
 
     # -- the graph ------------------------------------------------------------------------------------------------
 

@@ -24,6 +24,7 @@ from rai_missions.node.lifecycle_table import NodeTransition
 from rai_missions.node.managed_lifecycle import EVENT_TYPE, event_fields
 from rai_missions.node.names import NodeName
 from rai_missions.node.rosout import LOG, LogLines, lines_of
+from rai_missions.node.run_host import RunHost
 from rai_missions.node.run_session import RunSession
 from rai_missions.node.services import STRING
 from rai_missions.node.status_message import StatusMessage, step_fields, step_text, text_of
@@ -49,25 +50,14 @@ class StatusPublisher:
     Args:
         carrier: What carries it; started before anything is published.
         name: The node's.
+        host: Has the node's runs.
         lifecycle: The label of the node's state, and why its last transition failed.
-        session: The run that was begun last, if any.
-        about: The mission's name and version, as far as they are known.
-        robot: The robot's name; empty where there is none.
     """
 
     def __init__(
-        self, carrier: Carrier, name: NodeName, *, lifecycle: Callable[[], tuple[str, str]],
-        session: Callable[[], RunSession | None], about: Callable[[], tuple[str, str]],
-        robot: Callable[[], str] = str,
-    ) -> None:  # fmt: skip
-        self._carrier, self._name, self._lifecycle, self._session, self._about = (
-            carrier,
-            name,
-            lifecycle,
-            session,
-            about,
-        )
-        self._robot = robot
+        self, carrier: Carrier, name: NodeName, host: RunHost, lifecycle: Callable[[], tuple[str, str]]
+    ) -> None:
+        self._carrier, self._name, self._host, self._lifecycle = carrier, name, host, lifecycle
         self._lock = threading.Lock()
         self._last = IDLE
         self._holder = ""
@@ -117,7 +107,7 @@ class StatusPublisher:
 
     def _now(self) -> StatusMessage:
         """How things are, under the revision of the last status."""
-        session, (mission, version), (label, fault) = self._session(), self._about(), self._lifecycle()
+        session, (mission, version), (label, fault) = self._host.session, self._host.about, self._lifecycle()
         idle = IDLE._replace(
             revision=self._last.revision, node=self._name.path, instance=self._instance, mission=mission,
             version=version, lifecycle=label, fault=fault,
@@ -190,11 +180,11 @@ class StatusPublisher:
     def _diagnose(self) -> None:
         with self._lock:
             status = self._last
-        session = self._session()
+        session, robot = self._host.session, self._host.robot
         stale, sources = (session.stale(), session.sources()) if session is not None else ((), {})
         fields = array_of(
             status, at=time.time(), stale=stale, strangers=len(self._strangers), sources=sources,
-            rivals=self._rivals(session), robot=self._robot(),
+            rivals=self._rivals(session), robot=robot.name if robot is not None else "",
         )  # fmt: skip
         self._carrier.connector.publish("/diagnostics", DIAGNOSTICS, carried(fields))
 

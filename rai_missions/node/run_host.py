@@ -17,7 +17,7 @@ from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.mission.mission import Mission
 from rai_missions.node.command import Command
 from rai_missions.node.launched import arguments_of
-from rai_missions.node.prerequisites import Clients, readied
+from rai_missions.node.prerequisites import Clients, about, readied
 from rai_missions.node.run_session import RunSession
 from rai_missions.node.transport import Carrier
 from rai_missions.profile import Robot
@@ -50,6 +50,8 @@ class RunHost:
         """The time of a simulation, where the robot lives by it."""
         self._clock: Clock = self.published_clock or WallClock()
         self._threads: list[threading.Thread] = []
+        self.called, self.about = about(setting.mission)
+        """What the mission's node is called, and the mission's name and version as far as they are known."""
         self.mission: Mission | None = None
         """As it was read last; the setting's until then."""
         self.session: RunSession | None = None
@@ -83,7 +85,7 @@ class RunHost:
         read = mission if isinstance(mission, Mission) or mission is None else load_whole(mission)
         return {**given, **(arguments_of(self._parameters, read, given) if read is not None else {})}
 
-    def read(self) -> Mission:
+    def read(self) -> None:
         """Read the mission and the profile, and see whether the arguments fit.
 
         Raises:
@@ -93,7 +95,7 @@ class RunHost:
         mission, self.robot = readied(self.setting)
         self.mission = mission
         self.arguments()
-        return mission
+        self.about = mission.name, mission.version
 
     def attend(self, runner: Runner) -> RunSession:
         """Follow a run that is about to begin."""
