@@ -14,6 +14,7 @@ import statistics
 import tempfile
 import time
 from collections.abc import Mapping, Sequence
+from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -112,17 +113,16 @@ def main() -> None:
     kinds = {"words alone": {"nearest": Nothing()}} | ({} if why_no_vectors() else {"words and meaning": {}})
     print("search              set      hit at 5 of answered  false refusals  refused         ms")
     with tempfile.TemporaryDirectory() as made:
-        for kind, words in kinds.items():
-            opened = libraries(Path(made) / kind.replace(" ", "_"), **words)
-            for name, second in (("first", False), ("second", True), ("all", None)):
-                found = measure(opened, second=second)
-                print(
-                    f"{kind:19} {name:7} {found.hits:8.1%} of {found.answerable:4} {found.false_refusals:18.1%}"
-                    f" {found.refused:9.1%} of {found.unanswerable:3} {found.milliseconds:6.1f}"
-                    f" {'' if found.holds else '  FALLS SHORT'}"
-                )
-                if shows and second is not None:
-                    print("\n".join(f"    {each}" for each in found.wrong))
+        opened = {kind: libraries(Path(made) / kind.replace(" ", "_"), **words) for kind, words in kinds.items()}
+        for kind, (name, second) in product(kinds, (("first", False), ("second", True), ("all", None))):
+            found = measure(opened[kind], second=second)
+            print(
+                f"{kind:19} {name:7} {found.hits:8.1%} of {found.answerable:4} {found.false_refusals:18.1%}"
+                f" {found.refused:9.1%} of {found.unanswerable:3} {found.milliseconds:6.1f}"
+                f" {'' if found.holds else '  FALLS SHORT'}"
+            )
+            if shows and second is not None:
+                print("\n".join(f"    {each}" for each in found.wrong))
     print(why_no_vectors())
 
 

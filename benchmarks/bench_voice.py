@@ -18,6 +18,7 @@ import time
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
+from itertools import product
 from pathlib import Path
 from pydoc_data.topics import topics
 from typing import Any
@@ -202,21 +203,20 @@ def order_of(phrase: str) -> str:
 def orders(bench: Bench, scale: int) -> None:
     random, hits, counts, missed = np.random.default_rng(SEED), Counter[Any](), Counter[Any](), Counter[Any]()
     matrix = defaultdict[str, Counter[str]](Counter)
-    for db, kind in ((db, kind) for db in LEVELS for kind in ("white", "pink")):
+    for db, kind in product(LEVELS, ("white", "pink")):
         bench.new_ear()  # as in a room whose noise lasts: the ear has had time to know it
-        for phrase, speaker in ((phrase, speaker) for phrase in SPOKEN for speaker in SPEAKERS):
-            for _ in range(scale):
-                found = bench.of(FileSound(mixed(speech(f"{phrase.capitalize()}.", speaker), db, kind, random)))
-                name, view = order_of(phrase), PAUSED if order_of(phrase) == "resume" else RUNNING
-                effects = [effect(each, view, answers=phrase in ("yes", "no")) for each in found]
-                done = name if name in effects else next(filter(None, effects), "-")
-                matrix[name][done] += 1
-                key = ("stop" if phrase == "stop" else "other", db, kind)
-                counts[key] += 1
-                hits[key] += done == name
-                if done != name:
-                    missed[f"{phrase}/{speaker}"] += 1
-                    print(f"    {phrase!r} by {speaker}, {db} dB {kind}: {done}", flush=True)
+        for phrase, speaker, _ in product(SPOKEN, SPEAKERS, range(scale)):
+            found = bench.of(FileSound(mixed(speech(f"{phrase.capitalize()}.", speaker), db, kind, random)))
+            name, view = order_of(phrase), PAUSED if order_of(phrase) == "resume" else RUNNING
+            effects = [effect(each, view, answers=phrase in ("yes", "no")) for each in found]
+            done = name if name in effects else next(filter(None, effects), "-")
+            matrix[name][done] += 1
+            key = ("stop" if phrase == "stop" else "other", db, kind)
+            counts[key] += 1
+            hits[key] += done == name
+            if done != name:
+                missed[f"{phrase}/{speaker}"] += 1
+                print(f"    {phrase!r} by {speaker}, {db} dB {kind}: {done}", flush=True)
         for key in (("stop", db, kind), ("other", db, kind)):
             print(f"  {key[0]:6}{db} dB {kind:6} {hits[key]}/{counts[key]} = {hits[key] / counts[key]:.0%}", flush=True)
     for name, done_as in matrix.items():
@@ -409,20 +409,20 @@ def echo(bench: Bench, scale: int) -> None:
     )
     for room_tail in ((), tail()):
         count, cuts, texts = 0, 0, list[str]()
-        for db in (-6.0, -12.0, -20.0):
-            for delay in (20.0, 60.0, 120.0, 200.0):
-                bench.new_ear()
-                for number, text in enumerate(reports * max(1, scale // 2)):
-                    ours = bytes(speech(text, SPEAKERS[number % 4]).astype("<i2").tobytes())
-                    room = RoomSound(
-                        bytes(len(ours) + RATE_HZ), echo_db=db, delay_ms=delay, tail=room_tail, seed=number
-                    )
-                    playing(room, ours)
-                    texts += [each.text for each in bench.of(room)]
-                    cuts += len(bench.present)
-                    count += 1
+        for db, delay in product((-6.0, -12.0, -20.0), (20.0, 60.0, 120.0, 200.0)):
+            bench.new_ear()
+            for number, text in enumerate(reports * max(1, scale // 2)):
+                ours = bytes(speech(text, SPEAKERS[number % 4]).astype("<i2").tobytes())
+                room = RoomSound(bytes(len(ours) + RATE_HZ), echo_db=db, delay_ms=delay, tail=room_tail, seed=number)
+                playing(room, ours)
+                texts += [each.text for each in bench.of(room)]
+                cuts += len(bench.present)
+                count += 1
         print(f"  own voice, room {'with' if room_tail else 'without'} reflections: {count} reports, "
               f"{len(texts)} transcribed {texts}, {cuts} cut")  # fmt: skip
+
+
+BARGE_INS = ("Stop.", "What are you doing?", "Wait here until I come back.", "Cancel the mission.")
 
 
 def barge(bench: Bench, scale: int) -> None:
@@ -435,20 +435,19 @@ def barge(bench: Bench, scale: int) -> None:
         room = RoomSound(bytes(len(ours) + RATE_HZ), echo_db=db, delay_ms=60.0, tail=tail())
         playing(room, ours)
         bench.of(room)  # a report in which no one speaks: the canceller has learned the room
-        for text in ("Stop.", "What are you doing?", "Wait here until I come back.", "Cancel the mission."):
-            for speaker in ("rms", "awb", "kal"):
-                person = speech(text, speaker)
-                onset = np.nonzero(np.abs(person) > 0.1 * np.abs(person).max())[0][0] / RATE_HZ
-                at = float(random.uniform(0.3, 3.5))
-                person = np.concatenate([np.zeros(int(at * RATE_HZ)), person]).astype("<i2")
-                room = RoomSound(bytes(person.tobytes()) + bytes(RATE_HZ), echo_db=db, delay_ms=60.0, tail=tail())
-                playing(room, ours)
-                bench.of(room)
-                early = [each for each in bench.present if each >= at]
-                if early:
-                    delays.append(1000 * (early[0] - at - onset))
-                else:
-                    missed += 1
+        for text, speaker in product(BARGE_INS, ("rms", "awb", "kal")):
+            person = speech(text, speaker)
+            onset = np.nonzero(np.abs(person) > 0.1 * np.abs(person).max())[0][0] / RATE_HZ
+            at = float(random.uniform(0.3, 3.5))
+            person = np.concatenate([np.zeros(int(at * RATE_HZ)), person]).astype("<i2")
+            room = RoomSound(bytes(person.tobytes()) + bytes(RATE_HZ), echo_db=db, delay_ms=60.0, tail=tail())
+            playing(room, ours)
+            bench.of(room)
+            early = [each for each in bench.present if each >= at]
+            if early:
+                delays.append(1000 * (early[0] - at - onset))
+            else:
+                missed += 1
         shown = f"p50 {statistics.median(delays):.0f}, p95 {np.percentile(delays, 95):.0f} ms" if delays else "none"
         print(f"  echo {db} dB: {len(delays)} of {len(delays) + missed} barge-ins known, after {shown}")
 

@@ -183,12 +183,9 @@ def function_at(file: str, line: int) -> range:
 def draw(parts: dict[str, Any], count: int, seed: int) -> list[Mutant]:
     """So many mutants, spread over the parts by the places that they have; at most one a place."""
     places: dict[tuple[str, tuple[int, int]], list[Mutant]] = {}
-    for part, each in parts.items():
-        for pattern in each["files"]:
-            for path in sorted(ROOT.glob(pattern)):
-                file = path.relative_to(ROOT).as_posix()
-                for place, mutant in drawable(part, file):
-                    places.setdefault((file, place), []).append(mutant)
+    for part, file in ((part, file) for part, each in parts.items() for file in files_of(each)):
+        for place, mutant in drawable(part, file):
+            places.setdefault((file, place), []).append(mutant)
     chance = random.Random(seed)
     chosen = chance.sample(sorted(places), min(count, len(places)))
     return [chance.choice(places[place]) for place in chosen]
@@ -198,6 +195,12 @@ def environment_in(copy: Path) -> dict[str, str]:
     """What the tests in a copy of the checkout find around them."""
     own = {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1", "HYPOTHESIS_PROFILE": "first"}
     return {**os.environ, **own}
+
+
+def files_of(part: dict[str, Any]) -> list[str]:
+    """The files of a part, pattern by pattern."""
+    paths = [path for pattern in part["files"] for path in sorted(ROOT.glob(pattern))]
+    return [path.relative_to(ROOT).as_posix() for path in paths]
 
 
 def tests_of(part: dict[str, Any]) -> list[str]:
