@@ -157,7 +157,7 @@ def run_campaign(
     """
     began = time.monotonic()
     _check_sources(loaded, settings, labels_alone=labels_alone)
-    plan = _begun(loaded, store)
+    plan = _labelled_plan(loaded, store)
     budget = loaded.file.budget
     if labels_alone or settings.recorded:
         budget = budget.model_copy(update=dict.fromkeys(("calls", "tokens", "money")))  # no one is asked
@@ -185,14 +185,14 @@ def run_campaign(
     return CampaignResult(store.counts(), missing, stopped if missing else "", seconds, store.failures(), unlabelled)
 
 
-def _begun(loaded: LoadedCampaign, store: ResultStore) -> CampaignPlan:
+def _labelled_plan(loaded: LoadedCampaign, store: ResultStore) -> CampaignPlan:
     """The plan with the labels that a store has, which holds nothing but what is of the plan from now on.
 
     Raises:
         UsageError: It holds another campaign's cells, or those of another version of this code.
     """
     plan = plan_of(loaded)
-    _begin(loaded, plan, store)
+    _note_campaign(loaded, plan, store)
     options = loaded.subject.options if loaded.file.labels != UNLABELLED else ()
     plan = plan._replace(labels=_whole(store.labels(), options))
     _drop_outdated(plan, store)
@@ -303,7 +303,7 @@ def _check_models(loaded: LoadedCampaign) -> None:
             check_model(model, memory_gib=MEMORY_GIB)
 
 
-def _begin(loaded: LoadedCampaign, plan: CampaignPlan, store: ResultStore) -> None:
+def _note_campaign(loaded: LoadedCampaign, plan: CampaignPlan, store: ResultStore) -> None:
     """Note what the store is of; one that holds another campaign is left as it is.
 
     Raises:

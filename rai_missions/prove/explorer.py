@@ -46,7 +46,7 @@ MOST_COURSES = 20_000
 OnProgress = Callable[[int, int], None]
 
 
-class Inside(NamedTuple):
+class KnownCore(NamedTuple):
     """What is known of all states of one core with the same goals that nothing pursues."""
 
     waiting: int
@@ -99,7 +99,7 @@ class Space(StateGraph):
         """What waits for time in each part of the state that is left, where it is taken apart."""
         self._goal_words = frozenset[str]()
         """What waits for time on account of the goals of the store of the state that is left."""
-        self._places: dict[bytes, Inside] = {}
+        self._known: dict[bytes, KnownCore] = {}
         """Core and goals → what is known of all states there."""
         self.ends: dict[int, str] = {}
         """Number of a state → the outcome with which the run has ended in it."""
@@ -181,7 +181,7 @@ class Space(StateGraph):
         """Everything that can happen in a state; what concerns its goals alone comes last."""
         store = place.store
         with_goals = core + self._every_goal.of(store) if store.goals else core
-        inside = self._places.get(with_goals)
+        inside = self._known.get(with_goals)
         course = inside.whole.find(store) if inside is not None else None
         if inside is not None and course is not None and self.meter.has_room(course.steps):
             self.note_waiting(number, inside.waiting)
@@ -194,8 +194,8 @@ class Space(StateGraph):
         found, others = self.scenes(number, place)
         known = known if known is not None else self._room(core, found)
         more = more if more is not None else self._room(with_goals, others)
-        here = StepOrigin(number, place, waiting(found), waiting(others))
-        inside = self._inside(here, with_goals)
+        here = StepOrigin(number, place, timed(found), timed(others))
+        inside = self._known_core(here, with_goals)
         courses: list[CachedStep] = []
         for scene, cache in zip((*found, *others), (*known, *more), strict=True):
             if self.is_over:
@@ -212,14 +212,14 @@ class Space(StateGraph):
             whole = joined(courses)
             inside.whole.add(self._stores.question(whole.asked), store, whole)
 
-    def _inside(self, here: StepOrigin, place: bytes) -> Inside:
+    def _known_core(self, here: StepOrigin, place: bytes) -> KnownCore:
         """What is known of all states of a core with the same goals; first of all what waits for time there."""
         self._goal_words = frozenset(each.happening.words for each in here.goals)
         words = self._goal_words.union(each.happening.words for each in here.waiting)
-        number = self.wait(here.number, words)
-        inside = self._places.get(place) or Inside(number, self._goal_words, CaseTable())
+        number = self.note_words(here.number, words)
+        inside = self._known.get(place) or KnownCore(number, self._goal_words, CaseTable())
         if self._has_stores:
-            self._places[place] = inside
+            self._known[place] = inside
         return inside
 
     def scenes(self, number: int, place: Place) -> tuple[list[StepCase], list[StepCase]]:
@@ -239,7 +239,7 @@ class Space(StateGraph):
         if self._has_stores:
             if len(self._courses) >= MOST_COURSES:
                 self._courses.clear()
-                self._places.clear()
+                self._known.clear()
             self._courses[place] = room
         return room
 
@@ -361,14 +361,14 @@ class Space(StateGraph):
                 self.canceling.add(number)
         return number
 
-    def waits(
+    def note_parts(
         self, number: int, parts: Sequence[frozenset[str]], outer: frozenset[str], of_goals: frozenset[str]
     ) -> None:
         """Note what waits for time in a state that is left: in each part, around them, and on account of its goals."""
         self._words_here, self._goal_words = parts, of_goals
-        self.wait(number, outer.union(of_goals, *parts))
+        self.note_words(number, outer.union(of_goals, *parts))
 
-    def waits_for_nothing(self, number: int) -> None:
+    def note_no_waiting(self, number: int) -> None:
         """The same where nothing does."""
         self._words_here, self._goal_words = (), frozenset()
         self.note_waiting(number, self.number_of(self._goal_words))
@@ -383,6 +383,6 @@ def _scene(happening: Stimulus, met: Counter[str]) -> StepCase:
     return StepCase(happening, met[happening.words] - 1)
 
 
-def waiting(found: Iterable[StepCase]) -> list[StepCase]:
+def timed(found: Iterable[StepCase]) -> list[StepCase]:
     """What waits for time."""
     return [each for each in found if each.happening.kind == "time"]

@@ -62,11 +62,11 @@ class Search(Protocol):
 
     def depth_of(self, number: int) -> int: ...
 
-    def waits(
+    def note_parts(
         self, number: int, parts: Sequence[frozenset[str]], outer: frozenset[str], of_goals: frozenset[str]
     ) -> None: ...
 
-    def waits_for_nothing(self, number: int) -> None: ...
+    def note_no_waiting(self, number: int) -> None: ...
 
     def repeat(
         self, noted: Iterable[Sequence[NotedArrival]], steps: int, source: int, store: Store, code: int
@@ -139,9 +139,9 @@ class PartSteps:
         if not (is_alike and search.meter.has_room(steps)):
             return False
         if one.waits or other.waits or outer.waits:
-            search.waits(number, [*one.words, *other.words], self._nothing.union(*outer.words), self._nothing)
+            search.note_parts(number, [*one.words, *other.words], self._nothing.union(*outer.words), self._nothing)
         else:
-            search.waits_for_nothing(number)
+            search.note_no_waiting(number)
         search.repeat((one.noted, other.noted, outer.noted), steps, number, store, code)
         return True
 
@@ -183,7 +183,7 @@ class PartSteps:
         if any(share.waits for share, _ in found):
             self._note_waiting(number, shares)
         else:
-            search.waits_for_nothing(number)
+            search.note_no_waiting(number)
         search.repeat([course.noted for _, course in found], steps, number, store, code)
 
     def _known(
@@ -233,7 +233,7 @@ class PartSteps:
         ]
         outer = [share.words for share in shares if share is not None and share.group == OUTSIDE]
         goals = [share.words for share in shares if share is not None and share.group == OF_GOALS]
-        self._search.waits(number, parts, self._nothing.union(*outer), self._nothing.union(*goals))
+        self._search.note_parts(number, parts, self._nothing.union(*outer), self._nothing.union(*goals))
 
     def _leave_apart(self, apart: SeparateRegions, number: int, spot: PartNumbers, store: Store, code: int) -> None:
         """The same, but steps are made of one group alone once it has moved."""

@@ -77,7 +77,7 @@ class StateGraph:
         self._depths.append(min(DEEPEST, self._depths[source] + 1 if source >= 0 else 1))
         return number
 
-    def wait(self, number: int, words: frozenset[str]) -> int:
+    def note_words(self, number: int, words: frozenset[str]) -> int:
         """Note what waits for time in a state; its number among such sets."""
         found = self.number_of(words)
         self.note_waiting(number, found)
