@@ -174,24 +174,24 @@ def rollout(
     world = decision.world.branch()
     if not renders and isinstance(world, MeasuresGeometry):
         world.look_by_geometry()
-    watch = Watch(world, longest_s, answers_more=bool(later))
+    branch = WatchedBranch(world, longest_s, answers_more=bool(later))
     try:
         runner = Runner(
-            chart.mission, robot=decision.robot, connector=watch.connector, answerers=later,
-            clock=SimulatedClock(watch), begin=_continued(chart, decision.run),
-            observer=RunObserver(on_step=watch.follow),
+            chart.mission, robot=decision.robot, connector=branch.connector, answerers=later,
+            clock=SimulatedClock(branch), begin=_continued(chart, decision.run),
+            observer=RunObserver(on_step=branch.follow),
         )  # fmt: skip
-        watch.end_run = lambda: runner.kill("the rollout is over")
+        branch.end_run = lambda: runner.kill("the rollout is over")
         runner.answer(question.number, option, parameters, by=question.asked)
         result = runner.run()
-        if watch.refusal:
-            raise UsageError(f"'{option}' cannot be tried in '{question.state}': {watch.refusal}")
-        return watch.rollout(option, offered=offered, outcome=result.outcome, why=result.why, states=result.state)
+        if branch.refusal:
+            raise UsageError(f"'{option}' cannot be tried in '{question.state}': {branch.refusal}")
+        return branch.rollout(option, offered=offered, outcome=result.outcome, why=result.why, states=result.state)
     finally:
-        watch.world.close()
+        branch.world.close()
 
 
-class Watch:
+class WatchedBranch:
     """The branch of a rollout, as its clock steps it: it ends the run when there is something to report.
 
     Args:

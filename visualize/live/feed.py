@@ -115,7 +115,7 @@ class RunFeed:
     async def take(self, scene: RunScene) -> RunScene:
         self._is_notified = False
         for _ in range(len(self._talk)):
-            scene.converse(self._talk.popleft())
+            scene.add_talk(self._talk.popleft())
         if self._is_renewed:
             self._waiting.clear()
             return self._whole()
@@ -123,7 +123,7 @@ class RunFeed:
             try:
                 step = self._waiting.popleft()
             except IndexError:
-                scene.loosen([goal.data() for goal in self._run().loose_goals()])
+                scene.set_open_goals([goal.data() for goal in self._run().loose_goals()])
                 return scene
             if step.seq > scene.seq + 1:
                 self._waiting.clear()
@@ -144,8 +144,8 @@ class RunFeed:
         self._is_renewed = False
         scene = self._run().look()
         for line in tuple(self._spoken.values()):
-            scene.converse(line)
-        scene.loosen([goal.data() for goal in self._run().loose_goals()])
+            scene.add_talk(line)
+        scene.set_open_goals([goal.data() for goal in self._run().loose_goals()])
         if self._order is not None:
             scene.recall_order(self._order)
         scene.recall(step for step in tuple(self._past) if step.seq <= scene.seq)

@@ -156,7 +156,7 @@ class Hub:
                 return
 
         self.scene = await self._feed.begin(wake)
-        self.scene.close(self._feed.closed())
+        self.scene.set_closed_options(self._feed.closed())
         self._keep("state", self.scene.whole())
         self._pump = asyncio.create_task(self._run())
 
@@ -180,7 +180,7 @@ class Hub:
 
     async def _pass_on(self, *, board: bool) -> None:
         scene = await self._feed.take(self.scene)
-        scene.close(self._feed.closed() if scene.questions else {})
+        scene.set_closed_options(self._feed.closed() if scene.questions else {})
         if scene is not self.scene:
             self.scene = scene
             self._send_new("state", scene.whole())

@@ -144,11 +144,11 @@ class JournalFeed:
     def _follow_note(self, note: Note) -> None:
         data = note.data if isinstance(note.data, dict) else {}
         if isinstance(goals := data.get("open_goals"), list):
-            self._scene.loosen(goals)
+            self._scene.set_open_goals(goals)
         elif isinstance(lines := data.get("lines"), list):
             for line in lines:
                 if isinstance(line, dict):
-                    self._scene.converse(line)
+                    self._scene.add_talk(line)
         elif note.successor is not None:
             self._cut = CONTINUES.format(shown(str(note.successor["journal"])))
         elif "broken_off" in data:

@@ -120,7 +120,7 @@ class RunScene:
         if self.outcome and step.outcome:
             self.ended_at, self.e_stop_by = step.at, by if is_e_stop(step.event) else ""
 
-    def converse(self, spoken: Mapping[str, Any]) -> None:
+    def add_talk(self, spoken: Mapping[str, Any]) -> None:
         """A line of the conversation; one of the same number is replaced."""
         text = bounded(dict(spoken)) | {"text": str(spoken.get("text", ""))[:LONGEST_LINE]}
         number = text["number"] if isinstance(text.get("number"), int) else len(self.talk) + 1
@@ -141,13 +141,13 @@ class RunScene:
             self.cut = sentence
             self._fields.add("cut")
 
-    def loosen(self, goals: list[Json]) -> None:
+    def set_open_goals(self, goals: list[Json]) -> None:
         """State which goals may still move the robot although nothing waits for them."""
         if goals != self.open_goals:
             self.open_goals = goals
             self._fields.add("open_goals")
 
-    def close(self, options: Mapping[int, Mapping[str, str]]) -> None:
+    def set_closed_options(self, options: Mapping[int, Mapping[str, str]]) -> None:
         """State which options would be refused now, and why."""
         closed = {str(number): dict(each) for number, each in options.items()}
         if closed != self.closed:
@@ -170,16 +170,16 @@ class RunScene:
         event, holder, mode = step.event, _holder(step), _mode(step)
         if event.kind == "control" and not step.refusal and holder is not None:
             taken = is_taken(event, holder=self.control, taken=self.held_by == "operator", asked=self._asked_for)
-            self._hold_up("operator" if taken else holder if holder == "nobody" else "", step.at)
+            self._set_held("operator" if taken else holder if holder == "nobody" else "", step.at)
         if holder is not None and holder != self.control:
-            self._hold(holder)
+            self._set_control(holder)
         for effect in step.effects:
             if isinstance(effect, Handover):
                 self._asked_for = effect.to
         if mode is None or mode == self.mode or step.outcome:
             return
         was = self.mode
-        self._go(mode)
+        self._set_mode(mode)
         if mode == "paused":
             self.paused_at, self.paused_by = step.at, str(event.data.get("by", ""))
         elif was == "paused":
@@ -192,17 +192,17 @@ class RunScene:
             self.recall_order(step)
             self._fields |= {"outcome", "why", "e_stop_by", "ended_at"}
         if self.mode != step.outcome:
-            self._go(str(step.outcome))
+            self._set_mode(str(step.outcome))
 
-    def _go(self, mode: str) -> None:
+    def _set_mode(self, mode: str) -> None:
         self.mode = mode
         self._fields |= {"mode", "paused_at", "paused_by"}
 
-    def _hold(self, control: str) -> None:
+    def _set_control(self, control: str) -> None:
         self.control = control
         self._fields.add("control")
 
-    def _hold_up(self, by: str, at: float) -> None:
+    def _set_held(self, by: str, at: float) -> None:
         if by != self.held_by:
             self.held_by, self.held_since = by, at if by else None
             self._fields |= {"held_by", "held_since"}

@@ -112,7 +112,7 @@ class Orchard(Simulation):
         lattice = Lattice(self.layout)
         self.autonomy = Autonomy(lattice, attempts=attempts, handed_over=self._hand_over, stop_at_m=stop_at_m)
         self._bodies = [self.model.body(f"obstacle_{n}").id for n in range(len(self.obstacles))]
-        self._detector = self._made_detector(Errors.of(detector), seed, sight)
+        self._detector = self._new_detector(Errors.of(detector), seed, sight)
         self._beams = Beams(self.model, self.data)
         self._walkers = {n: self._walker(o) for n, o in enumerate(self.obstacles) if o.living}
         self._range_m: float | None = None
@@ -122,7 +122,7 @@ class Orchard(Simulation):
         self._home = NavigateToPose(self.autonomy, self._outbox.add, start_s, lattice)
         self._cross = Cross(self.autonomy, self._outbox.add, start_s, self.judge)
 
-    def _made_detector(self, errors: Errors, seed: int, sight: str) -> Detector | None:
+    def _new_detector(self, errors: Errors, seed: int, sight: str) -> Detector | None:
         extents = Extents(self.model, self.data, self._bodies)
         if sight == "geometry":
             return Detector(GeometrySight(extents, len(self._bodies)), self.obstacles, errors, seed)
