@@ -14,7 +14,7 @@ from rai_missions.connectors.connector import Data, Report
 from rai_missions.worlds.goal_server import End, GoalServer, Later, RunningGoal
 from rai_missions.worlds.messages import pose_stamped, stamp
 from rai_missions.worlds.orchard.autonomy import Autonomy
-from rai_missions.worlds.orchard.crossing_judge import Judge
+from rai_missions.worlds.orchard.crossing_judge import CrossingJudge
 from rai_missions.worlds.orchard.planner import Lattice
 from rai_missions.worlds.orchard.tractor import TractorPose
 
@@ -131,7 +131,7 @@ class Cross(OneGoal):
 
     name = "/cross"
 
-    def __init__(self, autonomy: Autonomy, later: Later, at: float, judge: Judge) -> None:
+    def __init__(self, autonomy: Autonomy, later: Later, at: float, judge: CrossingJudge) -> None:
         super().__init__(autonomy, later, at)
         self._judge = judge
         self._start = (0.0, 0.0)

@@ -17,7 +17,7 @@ from rai_missions.worlds.contact_forces import touches
 from rai_missions.worlds.orchard.extents import Extents
 from rai_missions.worlds.orchard.tractor import TAIL_M, Tractor, TractorPose
 
-__all__ = ("Crossing", "CrossingOutcome", "Judge")
+__all__ = ("Crossing", "CrossingJudge", "CrossingOutcome")
 
 CrossingOutcome = Literal["open", "passed", "failed", "left"]
 PUSHED_M, TILTED_DEG, STRUCK_N, STUCK_S = 1.0, 18.0, 25_000.0, 6.0
@@ -73,7 +73,7 @@ class Crossing:
         }
 
 
-class Judge:
+class CrossingJudge:
     """Watches the tractor and the obstacles.
 
     Args:

@@ -24,7 +24,7 @@ from rai_missions.worlds.orchard.obstacles import Obstacle
 from rai_missions.worlds.orchard.sight import RANGE_M, ObstacleMeasures, ObstacleSight
 from rai_missions.worlds.orchard.tractor import NOSE_M, TractorPose
 
-__all__ = ("Detector", "Errors")
+__all__ = ("ObstacleDetector", "ObstacleErrors")
 
 FLOOR_M = 0.01
 """Standard deviation of the height of what is hard, where there is hardly any."""
@@ -35,7 +35,7 @@ LIVING_SHARE = 0.15
 
 
 @dataclass(frozen=True)
-class Errors:
+class ObstacleErrors:
     """How a detector errs."""
 
     noise: float = 0.02
@@ -50,9 +50,9 @@ class Errors:
     """How often something is reported where nothing is, 0 to 1, a look."""
 
     @classmethod
-    def of(cls, options: Mapping[str, Any] | Errors | None) -> Errors:
+    def of(cls, options: Mapping[str, Any] | ObstacleErrors | None) -> ObstacleErrors:
         """From plain data; a `UsageError` names what does not exist or is out of range."""
-        if isinstance(options, Errors):
+        if isinstance(options, ObstacleErrors):
             return options
         check_numbers("detector", options or {}, {field.name: 1.0 for field in fields(cls)} | {"noise": 100.0})
         return cls(**(options or {}))
@@ -92,7 +92,7 @@ class ObstacleLooks:
         return (max(0.0, mean) + k * FLOOR_M) / (1 - k * noise) if k * noise < 1 else math.inf
 
 
-class Detector:
+class ObstacleDetector:
     """ObstacleLooks when something may be near.
 
     Args:
@@ -102,7 +102,7 @@ class Detector:
         seed: Where its errors come from.
     """
 
-    def __init__(self, sight: ObstacleSight, obstacles: Sequence[Obstacle], errors: Errors, seed: int) -> None:
+    def __init__(self, sight: ObstacleSight, obstacles: Sequence[Obstacle], errors: ObstacleErrors, seed: int) -> None:
         self._sight, self._obstacles, self._errors = sight, obstacles, errors
         self._random = random.Random(f"detector {seed}")
         self._looks: dict[int, ObstacleLooks] = {}

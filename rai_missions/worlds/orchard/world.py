@@ -25,8 +25,8 @@ from rai_missions.worlds.orchard.alley_counter import AlleyCounter
 from rai_missions.worlds.orchard.attendant import Attendant
 from rai_missions.worlds.orchard.autonomy import STOP_AT_M, Autonomy
 from rai_missions.worlds.orchard.conditions import Conditions
-from rai_missions.worlds.orchard.crossing_judge import Judge
-from rai_missions.worlds.orchard.detector import Detector, Errors
+from rai_missions.worlds.orchard.crossing_judge import CrossingJudge
+from rai_missions.worlds.orchard.detector import ObstacleDetector, ObstacleErrors
 from rai_missions.worlds.orchard.extents import Extents
 from rai_missions.worlds.orchard.kinds import KINDS
 from rai_missions.worlds.orchard.layout import Layout
@@ -64,7 +64,7 @@ class Orchard(Simulation):
         length_m: Of an alley.
         obstacles: A kind for each alley in turn (one of `KINDS`, or `none`), or a mapping of the fields of `Obstacle`;
             None: drawn from the seed.
-        detector: Fields of `Errors`.
+        detector: Fields of `ObstacleErrors`.
         conditions: Fields of `Conditions`: light and air.
         stop_at_m: So far from its nose the tractor hands over for what is in its way.
         battery: `capacity_wh` and `charge` (0 to 1).
@@ -83,7 +83,7 @@ class Orchard(Simulation):
         alleys: int = 6,
         length_m: float = 20.0,
         obstacles: Sequence[str | None | Mapping[str, Any]] | None = None,
-        detector: Mapping[str, Any] | Errors | None = None,
+        detector: Mapping[str, Any] | ObstacleErrors | None = None,
         conditions: Mapping[str, Any] | Conditions | None = None,
         stop_at_m: float = STOP_AT_M,
         battery: Mapping[str, float] | None = None,
@@ -104,7 +104,7 @@ class Orchard(Simulation):
             paint=textures.paint,
         )  # fmt: skip
         self.tractor = Tractor(self.model, self.data)
-        self.judge = Judge(
+        self.judge = CrossingJudge(
             self.model, self.data, self.tractor, tuple(o.living for o in self.obstacles),
             tuple(KINDS[o.kind].breaks_at_n for o in self.obstacles),
         )  # fmt: skip
@@ -112,7 +112,7 @@ class Orchard(Simulation):
         lattice = Lattice(self.layout)
         self.autonomy = Autonomy(lattice, attempts=attempts, handed_over=self._hand_over, stop_at_m=stop_at_m)
         self._bodies = [self.model.body(f"obstacle_{n}").id for n in range(len(self.obstacles))]
-        self._detector = self._new_detector(Errors.of(detector), seed, sight)
+        self._detector = self._new_detector(ObstacleErrors.of(detector), seed, sight)
         self._beams = Beams(self.model, self.data)
         self._walkers = {n: self._walker(o) for n, o in enumerate(self.obstacles) if o.living}
         self._range_m: float | None = None
@@ -122,15 +122,15 @@ class Orchard(Simulation):
         self._home = NavigateToPose(self.autonomy, self._outbox.add, start_s, lattice)
         self._cross = Cross(self.autonomy, self._outbox.add, start_s, self.judge)
 
-    def _new_detector(self, errors: Errors, seed: int, sight: str) -> Detector | None:
+    def _new_detector(self, errors: ObstacleErrors, seed: int, sight: str) -> ObstacleDetector | None:
         extents = Extents(self.model, self.data, self._bodies)
         if sight == "geometry":
-            return Detector(GeometrySight(extents, len(self._bodies)), self.obstacles, errors, seed)
+            return ObstacleDetector(GeometrySight(extents, len(self._bodies)), self.obstacles, errors, seed)
         if sight != "pixels":
             raise UsageError(f"sight: 'pixels' or 'geometry', not {sight!r}")
         if self.camera is None:
             return None
-        return Detector(PixelSight(self.camera, self._bodies, extents), self.obstacles, errors, seed)
+        return ObstacleDetector(PixelSight(self.camera, self._bodies, extents), self.obstacles, errors, seed)
 
     def look_by_geometry(self) -> None:
         """Have the detector measure from the bodies from now on: nothing is rendered until a picture is looked at."""
