@@ -47,7 +47,7 @@ def tower(
         return _several(cursor, unread)
     if cursor.kind() == "upward" and not first:
         return [_upward(cursor, unread)]
-    first = first or noun_phrases(cursor)
+    first = first or _in_turn(cursor) or noun_phrases(cursor)
     if count > 1 and cursor.kind() in ENDS:
         return [Clause("towers", first, count=count)]
     if count != 1:
@@ -85,6 +85,16 @@ def _skip_head(cursor: Cursor) -> int:
     if counts := [int(symbol.value.value) for symbol in head if symbol.kind == "number"]:
         return counts[0]
     return 0 if any(symbol.value in ("many", "two") for symbol in head) else 1
+
+
+def _in_turn(cursor: Cursor) -> tuple[Phrase, ...]:
+    """`red, then blue, then green`, from below; empty where more is wished of the last, as in `…, then blue on red`."""
+    begun = cursor.at
+    found = ordered_phrases(cursor)
+    if cursor.kind() not in ENDS:
+        cursor.back_to(begun)
+        return ()
+    return found
 
 
 def _ordered(first: tuple[Phrase, ...], cursor: Cursor) -> tuple[Phrase, ...]:

@@ -164,6 +164,36 @@ def test_a_thing_that_a_tower_or_a_row_has_twice_is_about_its_order(request_: st
     assert (found.outcome, found.reason, found.goal) == ("unclear", "order", None)
 
 
+@pytest.mark.parametrize(
+    "request_",
+    [
+        "stack red, then blue, then green", "stack red then blue then green", "a tower: red, then blue and then green",
+        "stack the red cube first, then the blue one, then the green one", "stapel rot, dann blau, dann grün",
+        "staple zuerst den roten, dann den blauen, dann den grünen Würfel",
+    ],
+)  # fmt: skip
+def test_a_tower_whose_things_are_named_in_turn_is_read_from_below(request_: str) -> None:
+    found = reading_of(request_, SEEN).goal
+    assert found == goal({"on": ["red_cube", "desk"]}, {"on": ["blue_cube", "red_cube"]},
+                         {"on": ["green_cube", "blue_cube"]})  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("tower", "more", "predicates"),
+    [
+        ("stack red and blue", "then put the apple in the tray", [{"in": ["apple", "tray"]}]),
+        ("stack red and blue", "then the apple in the tray", [{"in": ["apple", "tray"]}]),
+        ("stack red, then blue", "then swap the green and the yellow cube", None),
+    ],
+)
+def test_what_is_wished_after_a_tower_is_no_part_of_it(tower: str, more: str, predicates: list[Any] | None) -> None:
+    found = reading_of(f"{tower}, {more}", SEEN).goal
+    assert found is not None
+    below = goal({"on": ["red_cube", "desk"]}, {"on": ["blue_cube", "red_cube"]}).all
+    assert found.all[:2] == below
+    assert predicates is None or found.all[2:] == goal(*predicates).all
+
+
 MOVES = {
     "en": (
         "put {0} on the yellow cube",
