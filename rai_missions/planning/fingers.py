@@ -72,14 +72,15 @@ def _directions(thing: Thing) -> tuple[float, ...]:
 
 
 def _hand(thing: Thing, yaw: float) -> Iterator[tuple[Footprint, float]]:
-    """The parts of the hand that closes in a direction, each with the height at which it begins."""
-    half = thing.size[1] / 2 + OPEN_M
+    """What the hand that closes in a direction sweeps, each part with the height at which it begins."""
+    half = thing.size[1] / 2
     yield box(thing.x, thing.y, (PALM_M, PALM_WIDE_M), yaw), thing.z + PALM_UP_M
     for side in (-1.0, 1.0):
         for thick, wide, from_z in ((TIP_M, TIP_WIDE_M, -TIP_DOWN_M), (FINGER_M, FINGER_WIDE_M, FINGER_UP_M)):
-            along = side * (half + thick / 2)
+            swept = OPEN_M + thick
+            along = side * (half + swept / 2)
             yield box(
-                thing.x + math.cos(yaw) * along, thing.y + math.sin(yaw) * along, (thick, wide), yaw
+                thing.x + math.cos(yaw) * along, thing.y + math.sin(yaw) * along, (swept, wide), yaw
             ), thing.z + from_z  # fmt: skip
 
 

@@ -59,7 +59,7 @@ def test_what_a_plan_takes_for_free_the_arm_can_grasp(seed: int) -> None:
 
 def _is_narrow(grasp: Grasp, around: list[SeenThing]) -> bool:
     """Whether the fingers have room there as a plan opens them: 7 mm on each side."""
-    parts, obstacles = hand_parts(grasp.pose, CUBE + 0.014), slabs(around)
+    parts, obstacles = hand_parts(grasp.pose, CUBE, CUBE + 0.014), slabs(around)
     return not any(overlap(part, each, 0.002) for part in parts for each in obstacles if each.top > part.bottom)
 
 

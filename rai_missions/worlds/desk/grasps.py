@@ -81,7 +81,7 @@ def grasps(target: SeenThing, others: Sequence[SeenThing]) -> Iterator[Grasp]:
         for yaw, wide in _directions(target):
             pose = ToolPose(x, y, z, yaw)
             openings = (min(MAX_WIDTH_M, extra if extra == MAX_WIDTH_M else wide + extra) for extra in OPENINGS_M)
-            free = (each for each in openings if each > wide + 0.008 and _is_free(pose, each, around))
+            free = (each for each in openings if each > wide + 0.008 and _is_free(pose, wide, each, around))
             yield from (Grasp(pose, opening) for opening in islice(free, 1))
 
 
@@ -110,7 +110,7 @@ def releases(held: HeldThing, x: float, y: float, z: float, yaw: float, others: 
                 x + cos * dx - sin * dy, y + sin * dx + cos * dy, z + grip.z - thing.z + lift, grip.yaw + turned
             )
             openings = [min(MAX_WIDTH_M, wide + extra) for extra in RELEASES_M]
-            yield from (Grasp(pose, opening) for opening in openings if _is_free(pose, opening, around))
+            yield from (Grasp(pose, opening) for opening in openings if _is_free(pose, wide, opening, around))
 
 
 def _lifts(x: float, y: float, z: float, held: HeldThing, others: Sequence[SeenThing]) -> list[float]:
@@ -166,20 +166,25 @@ def _offsets(target: SeenThing) -> tuple[float, ...]:
     return (-0.015, 0.0, -0.03, 0.015, 0.03)
 
 
-def _is_free(pose: ToolPose, opening: float, around: Sequence[Slab]) -> bool:
-    """Whether fingers and palm keep clear of what stands, here and straight above."""
-    return not any(
-        overlap(part, one, GAP_M) for part in hand_parts(pose, opening) for one in around if one.top > part.bottom
-    )
+def _is_free(pose: ToolPose, wide: float, opening: float, around: Sequence[Slab]) -> bool:
+    """Whether fingers and palm keep clear of what stands, here and straight above, while the fingers open or close."""
+    parts = hand_parts(pose, wide, opening)
+    return not any(overlap(part, one, GAP_M) for part in parts for one in around if one.top > part.bottom)
 
 
-def hand_parts(pose: ToolPose, opening: float) -> list[Slab]:
-    """The hand from above: two tips, the fingers' upper parts, the palm."""
+def hand_parts(pose: ToolPose, wide: float, opening: float) -> list[Slab]:
+    """The hand from above: what two tips and the fingers' upper parts sweep, and the palm.
+
+    Args:
+        pose: Of the TCP.
+        wide: Between the fingers where they hold a thing, m.
+        opening: Between them where they are open, m.
+    """
     parts = [_part(pose, 0.0, PALM_SIDE_M, PALM_M, PALM_UP_M)]
-    for side in (-1.0, 1.0):
-        tip, finger = opening / 2 + TIP_M / 2, opening / 2 + FINGER_M / 2
-        parts.append(_part(pose, side * tip, TIP_SIDE_M, TIP_M / 2, -TIP_BELOW_TCP_M))
-        parts.append(_part(pose, side * finger, FINGER_SIDE_M, FINGER_M / 2, TIP_UP_M))
+    for thick, half_x, up in ((TIP_M, TIP_SIDE_M, -TIP_BELOW_TCP_M), (FINGER_M, FINGER_SIDE_M, TIP_UP_M)):
+        inside, outside = wide / 2, opening / 2 + thick
+        middle, half_y = (inside + outside) / 2, (outside - inside) / 2
+        parts += [_part(pose, side * middle, half_x, half_y, up) for side in (-1.0, 1.0)]
     return parts
 
 
