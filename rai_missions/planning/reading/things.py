@@ -158,7 +158,8 @@ class Things:
         for each in phrase.without:
             meant = self.alternatives(each)
             if len(meant) > 1:
-                raise Unread("ambiguous", self._which(each, [self.scene.thing(names[0]) for names in meant]))
+                several = dict.fromkeys(name for names in meant for name in names)
+                raise Unread("ambiguous", self._which(each, list(map(self.scene.thing, several))))
             without.update(meant[0])
         names = tuple(each.name for each in things if each.name not in without and each.type not in phrase.not_types)
         if not names:

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from rai_missions.planning.reading import reading_of
@@ -38,3 +40,11 @@ def test_a_question_or_a_report_moves_nothing(request_: str, word: str) -> None:
 )  # fmt: skip
 def test_a_wish_with_a_verb_of_a_question_stays_one(request_: str) -> None:
     assert reading_of(request_, SCENES["full"]).goal == goal({"in": ["apple", "bin"]})
+
+
+@pytest.mark.parametrize("seen", SCENES)
+@pytest.mark.parametrize("colour", ["red", "blue", "green"])
+def test_a_question_which_thing_is_meant_names_each_once(seen: str, colour: str) -> None:
+    found = reading_of(f"put things that are not {colour} in the bin", SCENES[seen])
+    names = re.findall(r"'([^']+)'", found.question.partition("There are")[2])
+    assert len({*names}) == len(names)
