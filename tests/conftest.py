@@ -11,6 +11,7 @@ import ipaddress
 import os
 import signal
 import socket
+import sys
 import tempfile
 from collections.abc import Iterator
 from typing import Any
@@ -93,6 +94,18 @@ SLOW_FOLDERS = frozenset({"model_process", "prove", "tutorial", "voice"})
 """Folders with tests that take seconds: one of them at the end would keep the other workers waiting."""
 DRILL_S = 3600
 """Seconds for a test that is long on purpose, also where it is run by itself."""
+
+
+OFTEN_S = 1e-6
+
+
+@pytest.fixture
+def changes_threads_often() -> Iterator[None]:
+    """The interpreter changes threads as often as it can."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(OFTEN_S)
+    yield
+    sys.setswitchinterval(before)
 
 
 def is_on_ros(item: pytest.Item) -> bool:

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.planning import JUDGE, STRICT, Goal, Scene, Thing, at_first_poses, holds, reached, read_goal, support
+from rai_missions.planning import JUDGE, STRICT, Scene, Thing, at_first_poses, holds, reached, support
 from rai_missions.planning.geometry import gap
 from rai_missions.planning.goal import Predicate
 from rai_missions.planning.relations import columns
@@ -27,22 +27,17 @@ from rai_missions.planning.tolerances import (
     LEVEL,
     NEXT_TO,
 )
+from tests.planning.reading.stored import goal
 from tests.planning.scenes import SIZES, scene, thing
 
 CUBE = 0.044
-
-
-def goal_of(*predicates: dict[str, Any]) -> Goal:
-    found = read_goal({"all": list(predicates)})
-    assert isinstance(found, Goal)
-    return found
 
 
 def tower(*names: str, x: float = 0.5, y: float = 0.0, **more: Any) -> list[Thing]:
     return [thing(name, x, y, level=CUBE * place, **more) for place, name in enumerate(names)]
 
 
-TOWER = goal_of({"on": ["a", "desk"]}, {"on": ["b", "a"]}, {"on": ["c", "b"]})
+TOWER = goal({"on": ["a", "desk"]}, {"on": ["b", "a"]}, {"on": ["c", "b"]})
 
 
 def test_a_tower_is_its_contacts_from_the_desk_up() -> None:
@@ -58,7 +53,7 @@ def test_a_tower_is_not_built_while_the_gripper_holds_something(gripper: str, tr
 @pytest.mark.parametrize("names", [("x", "a", "b", "c"), ("a", "b", "c", "x"), ("a", "x", "b", "c")])
 def test_a_foreign_thing_in_the_column_spoils_a_tower(names: tuple[str, ...]) -> None:
     assert reached(TOWER, scene(*tower(*names))) is False
-    without_desk = goal_of({"on": ["b", "a"]}, {"on": ["c", "b"]})
+    without_desk = goal({"on": ["b", "a"]}, {"on": ["c", "b"]})
     assert reached(without_desk, scene(*tower(*names))) is False
 
 
@@ -72,13 +67,13 @@ def test_what_may_be_in_a_tower_spoils_it_before_what_surely_is(above_m: float) 
 
 
 def test_one_relation_is_no_tower() -> None:
-    assert reached(goal_of({"on": ["b", "a"]}), scene(*tower("x", "a", "b", "y"))) is True
+    assert reached(goal({"on": ["b", "a"]}), scene(*tower("x", "a", "b", "y"))) is True
 
 
 def test_a_tower_may_rest_in_a_tray() -> None:
     in_tray = [thing(name, 0.5, 0.0, level=0.005 + CUBE * place) for place, name in enumerate("abc")]
     seen = scene(thing("tray", 0.5, 0.0), *in_tray)
-    assert reached(goal_of({"on": ["b", "a"]}, {"on": ["c", "b"]}, {"in": ["a", "tray"]}), seen) is True
+    assert reached(goal({"on": ["b", "a"]}, {"on": ["c", "b"]}, {"in": ["a", "tray"]}), seen) is True
     assert reached(TOWER, seen) is False
 
 
@@ -91,7 +86,7 @@ def test_what_moves_or_is_not_seen_is_not_reached() -> None:
 
 
 def test_left_is_not_the_floor() -> None:
-    left = goal_of({"left_of": ["a", "b"]})
+    left = goal({"left_of": ["a", "b"]})
     assert reached(left, scene(thing("a", 0.5, 0.2), thing("b", 0.5, 0.0))) is True
     assert reached(left, scene(thing("a", 0.5, 0.0), thing("b", 0.5, 0.2))) is False
     assert reached(left, scene(thing("a", 0.5, 0.9, level=-0.7), thing("b", 0.5, 0.0))) is False
@@ -99,7 +94,7 @@ def test_left_is_not_the_floor() -> None:
 
 
 def test_a_gap_is_measured_between_two_things_side_by_side() -> None:
-    wanted = goal_of({"left_of": ["a", "b"], "gap_m": 0.1})
+    wanted = goal({"left_of": ["a", "b"], "gap_m": 0.1})
     assert reached(wanted, scene(thing("a", 0.5, 0.144), thing("b", 0.5, 0.0))) is True
     assert reached(wanted, scene(thing("a", 0.5, 0.1), thing("b", 0.5, 0.0))) is False
     assert reached(wanted, scene(thing("a", 0.7, 0.144), thing("b", 0.5, 0.0))) is False
@@ -119,7 +114,7 @@ def turned_right(each: Thing) -> Thing:
 )  # fmt: skip
 def test_behind_is_further_from_the_robot(x: float, y: float, gap_m: float | None, truth: bool) -> None:
     wanted = {"behind": ["a", "b"]} if gap_m is None else {"behind": ["a", "b"], "gap_m": gap_m}
-    assert reached(goal_of(wanted), scene(thing("a", x, y), thing("b", 0.5, 0.0))) is truth
+    assert reached(goal(wanted), scene(thing("a", x, y), thing("b", 0.5, 0.0))) is truth
 
 
 @given(st.data())
@@ -128,7 +123,7 @@ def test_behind_is_left_of_on_a_desk_that_is_turned(data: st.DataObject) -> None
     names, gap_m = [each.name for each in seen.things[:2]], data.draw(st.sampled_from([None, 0.0, 0.02, 0.1]))
     turned = scene(*map(turned_right, seen.things))
     free = {} if gap_m is None else {"gap_m": gap_m}
-    left, behind = (goal_of({word: names, **free}).all[0] for word in ("left_of", "behind"))
+    left, behind = (goal({word: names, **free}).all[0] for word in ("left_of", "behind"))
     assert holds(behind, turned) == holds(left, seen)
 
 
@@ -138,21 +133,21 @@ def test_behind_is_left_of_on_a_desk_that_is_turned(data: st.DataObject) -> None
 )
 def test_between_is_on_the_line_with_room_on_both_sides(x: float, y: float, truth: bool) -> None:
     seen = scene(thing("a", x, y), thing("b", 0.5, 0.0), thing("c", 0.5, 0.2))
-    assert reached(goal_of({"between": ["a", "b", "c"]}), seen) is truth
-    assert reached(goal_of({"between": ["a", "c", "b"]}), seen) is truth
-    assert reached(goal_of({"between": ["c", "a", "b"]}), seen) is (y == 0.3)
+    assert reached(goal({"between": ["a", "b", "c"]}), seen) is truth
+    assert reached(goal({"between": ["a", "c", "b"]}), seen) is truth
+    assert reached(goal({"between": ["c", "a", "b"]}), seen) is (y == 0.3)
 
 
 def test_nothing_is_between_two_on_each_other() -> None:
     aside = scene(thing("b", 0.5, 0.0), thing("c", 0.5, 0.2), thing("a", 0.5, 0.022, level=CUBE))
-    assert reached(goal_of({"between": ["a", "b", "c"]}), aside) is False
+    assert reached(goal({"between": ["a", "b", "c"]}), aside) is False
     seen = scene(*tower("b", "c"), thing("a", 0.5, 0.0, level=2 * CUBE))
-    assert reached(goal_of({"between": ["a", "b", "c"]}), seen) is False
+    assert reached(goal({"between": ["a", "b", "c"]}), seen) is False
 
 
 @given(st.floats(0.3, 0.6), st.floats(-0.3, 0.3), st.floats(-0.1, 0.1), st.floats(-0.1, 0.1))
 def test_a_shift_is_a_place_so_far_from_the_pose_first_seen(x: float, y: float, dx: float, dy: float) -> None:
-    shift, seen = goal_of({"shifted": "a", "dx": dx, "dy": dy}), scene(thing("a", x, y))
+    shift, seen = goal({"shifted": "a", "dx": dx, "dy": dy}), scene(thing("a", x, y))
     assert reached(shift, seen) is None
     there = at_first_poses(shift, seen)
     assert reached(there, scene(thing("a", x + dx, y + dy))) is True
@@ -163,7 +158,7 @@ def test_a_shift_is_a_place_so_far_from_the_pose_first_seen(x: float, y: float, 
 def test_what_is_shifted_by_nothing_stays_on_what_carries_it() -> None:
     seen = scene(*tower("b", "a"), thing("tray", 0.4, -0.3), thing("apple", 0.4, -0.3, level=0.005))
     stays = [{"shifted": name, "dx": 0.0, "dy": 0.0} for name in ("a", "b", "apple")]
-    assert at_first_poses(goal_of(*stays), seen).written()["all"] == [
+    assert at_first_poses(goal(*stays), seen).written()["all"] == [
         {"at": "a", "x": 0.5, "y": 0.0}, {"on": ["a", "b"]}, {"at": "b", "x": 0.5, "y": 0.0},
         {"at": "apple", "x": 0.4, "y": -0.3}, {"in": ["apple", "tray"]},
     ]  # fmt: skip
@@ -180,30 +175,30 @@ def test_what_is_shifted_by_nothing_stays_on_what_carries_it() -> None:
     ],
 )
 def test_inside_is_not_on(apple: Thing, truth: bool) -> None:
-    assert reached(goal_of({"in": ["apple", "tray"]}), scene(thing("tray", 0.5, 0.0), apple)) is truth
+    assert reached(goal({"in": ["apple", "tray"]}), scene(thing("tray", 0.5, 0.0), apple)) is truth
 
 
 def test_next_to_is_side_by_side() -> None:
-    wanted = goal_of({"next_to": ["a", "b"]})
+    wanted = goal({"next_to": ["a", "b"]})
     assert reached(wanted, scene(thing("a", 0.5, 0.0), thing("b", 0.5, 0.09))) is True
     assert reached(wanted, scene(thing("a", 0.5, 0.0), thing("b", 0.5, 0.2))) is False
     assert reached(wanted, scene(*tower("a", "b"))) is False
 
 
 def test_a_group_is_connected() -> None:
-    wanted = goal_of({"grouped": ["a", "b", "c"]})
+    wanted = goal({"grouped": ["a", "b", "c"]})
     assert reached(wanted, scene(*(thing(name, 0.5, y) for name, y in (("a", 0.0), ("c", 0.2), ("b", 0.1))))) is True
     assert reached(wanted, scene(*(thing(name, 0.5, y) for name, y in (("a", 0.0), ("c", 0.4), ("b", 0.1))))) is False
 
 
 def test_apart_is_of_every_two() -> None:
-    wanted = goal_of({"apart": ["a", "b", "c"]})
+    wanted = goal({"apart": ["a", "b", "c"]})
     assert reached(wanted, scene(*(thing(name, 0.5, y) for name, y in (("a", 0.0), ("b", 0.2), ("c", 0.4))))) is True
     assert reached(wanted, scene(*(thing(name, 0.5, y) for name, y in (("a", 0.0), ("b", 0.2), ("c", 0.25))))) is False
 
 
 def test_a_swap_is_the_poses_first_seen() -> None:
-    swap = goal_of({"swapped": ["a", "b"]})
+    swap = goal({"swapped": ["a", "b"]})
     seen = scene(thing("a", 0.5, 0.2), thing("b", 0.4, -0.1), thing("c", 0.6, 0.0), thing("d", 0.6, 0, level=CUBE))
     assert reached(swap, seen) is None
     at = at_first_poses(swap, seen)
@@ -212,8 +207,8 @@ def test_a_swap_is_the_poses_first_seen() -> None:
     assert reached(at, scene(thing("b", 0.5, 0.2), thing("a", 0.4, -0.1))) is True
     # the naive swap, one on the other's place while the other is there
     assert reached(at, scene(thing("b", 0.4, -0.1), thing("a", 0.4, -0.1, level=CUBE))) is False
-    assert {"on": ["a", "c"]} in at_first_poses(goal_of({"swapped": ["a", "d"]}), seen).written()["all"]
-    assert {"on": ["c", "d"]} in at_first_poses(goal_of({"swapped": ["c", "d"]}), seen).written()["all"]
+    assert {"on": ["a", "c"]} in at_first_poses(goal({"swapped": ["a", "d"]}), seen).written()["all"]
+    assert {"on": ["c", "d"]} in at_first_poses(goal({"swapped": ["c", "d"]}), seen).written()["all"]
 
 
 def test_what_a_thing_rests_on() -> None:
@@ -256,7 +251,7 @@ def every_predicate(seen: Scene) -> list[Predicate]:
     found += [{word: list(pair), "gap_m": 0.02} for pair in pairs for word in ("left_of", "behind")]
     found += [{"behind": list(pair)} for pair in pairs]
     found += [{"between": list(three)} for three in itertools.permutations(names, 3)]
-    return [each for at in range(0, len(found), 64) for each in goal_of(*found[at : at + 64]).all]
+    return [each for at in range(0, len(found), 64) for each in goal(*found[at : at + 64]).all]
 
 
 @given(seen_things(), st.floats(-3, 3), st.floats(0, 3))
@@ -265,7 +260,7 @@ def test_what_holds_strictly_holds_with_a_larger_margin(seen: Scene, margin: flo
         strict, lax = holds(each, seen, margin), holds(each, seen, margin + more)
         assert (strict is None) == (lax is None)
         assert not (strict and not lax), each
-    column = goal_of({"on": ["a", "desk"]}, {"on": ["b", "a"]})
+    column = goal({"on": ["a", "desk"]}, {"on": ["b", "a"]})
     assert not (reached(column, seen, STRICT) and not reached(column, seen, JUDGE))
 
 
@@ -288,6 +283,6 @@ def test_a_distance_is_the_least_between_points_of_the_outlines(seen: Scene) -> 
 
 def test_columns_are_the_towers_that_are_wanted() -> None:
     assert list(columns(TOWER)) == [("desk", "a", "b", "c")]
-    assert list(columns(goal_of({"on": ["b", "a"]}))) == []
-    assert list(columns(goal_of({"on": ["b", "a"]}, {"on": ["c", "b"]}))) == [("a", "b", "c")]
-    assert list(columns(goal_of({"on": ["b", "a"]}, {"on": ["a", "b"]}))) == []
+    assert list(columns(goal({"on": ["b", "a"]}))) == []
+    assert list(columns(goal({"on": ["b", "a"]}, {"on": ["c", "b"]}))) == [("a", "b", "c")]
+    assert list(columns(goal({"on": ["b", "a"]}, {"on": ["a", "b"]}))) == []

@@ -3,25 +3,14 @@
 
 from __future__ import annotations
 
-import sys
 import threading
-from collections.abc import Iterator
 
 import pytest
 
 from rai_missions.engine.activities.goal_ledger import Goal, Goals, awaited, loose
 from tests.rigs.runs import Plan, PlannedServer, Rig, mission
 
-OFTEN_S = 1e-6
-"""The interpreter changes threads as often as it can."""
-
-
-@pytest.fixture(autouse=True)
-def changes_threads_often() -> Iterator[None]:
-    before = sys.getswitchinterval()
-    sys.setswitchinterval(OFTEN_S)
-    yield
-    sys.setswitchinterval(before)
+pytestmark = pytest.mark.usefixtures("changes_threads_often")
 
 
 def test_goals_are_read_while_others_come_and_go() -> None:

@@ -4,25 +4,14 @@
 from __future__ import annotations
 
 import os
-import sys
 import threading
-from collections.abc import Iterator
 
 import pytest
 
 from rai_missions.redaction import HIDDEN, redacted, variables
 
-OFTEN_S = 1e-6
-"""The interpreter changes threads as often as it can."""
+pytestmark = pytest.mark.usefixtures("changes_threads_often")
 SECRET = "correct-horse-battery-4711"
-
-
-@pytest.fixture(autouse=True)
-def changes_threads_often() -> Iterator[None]:
-    before = sys.getswitchinterval()
-    sys.setswitchinterval(OFTEN_S)
-    yield
-    sys.setswitchinterval(before)
 
 
 def test_a_text_is_redacted_while_variables_come_and_go(monkeypatch: pytest.MonkeyPatch) -> None:

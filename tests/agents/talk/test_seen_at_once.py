@@ -4,9 +4,7 @@
 from __future__ import annotations
 
 import random
-import sys
 import threading
-from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
@@ -17,8 +15,7 @@ from rai_missions.conversation import StatusView
 from rai_missions.engine.step import Step
 from tests.rigs.runs import ManualServer, Rig, mission
 
-OFTEN_S = 1e-6
-"""The interpreter changes threads as often as it can."""
+pytestmark = pytest.mark.usefixtures("changes_threads_often")
 READERS = 3
 ROUND: dict[str, Any] = {
     "moving": {
@@ -35,14 +32,6 @@ ROUND: dict[str, Any] = {
     },
     "over": {"final": "aborted"},
 }  # fmt: skip
-
-
-@pytest.fixture(autouse=True)
-def changes_threads_often() -> Iterator[None]:
-    before = sys.getswitchinterval()
-    sys.setswitchinterval(OFTEN_S)
-    yield
-    sys.setswitchinterval(before)
 
 
 def timeless(view: StatusView) -> StatusView:
