@@ -91,9 +91,7 @@ class Library:
             DefinitionError: The folder cannot be read.
             UsageError: The index cannot be written, or is damaged.
         """
-        with self._lock:
-            if self._shelf is None:
-                self._shelf = self._opened()
+        self._open_shelf()
 
     def passages(self) -> tuple[DocumentPassage, ...]:
         """All passages, in the order of the documents; raises as `open`."""
@@ -120,10 +118,10 @@ class Library:
         return FoundPassages(cleaned, tuple(map(redacted, lacking)), shelf.has_vectors or self._nearest is not None)
 
     def _open_shelf(self) -> _Shelf:
-        self.open()
-        shelf = self._shelf
-        assert shelf is not None
-        return shelf
+        with self._lock:
+            if self._shelf is None:
+                self._shelf = self._opened()
+            return self._shelf
 
     def _opened(self) -> _Shelf:
         try:

@@ -16,7 +16,7 @@ from typing import NamedTuple
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.robot_facts import RobotFacts, check_facts
 from rai_missions.errors import UsageError
-from rai_missions.journal import Header
+from rai_missions.journal import Header, Journal
 from rai_missions.mission.garbage import few_collections
 from rai_missions.mission.mission import Mission, given_mission
 from rai_missions.prove.circles import circling
@@ -225,4 +225,5 @@ def record(
     Raises:
         UsageError: The file is there already, or none can be written there.
     """
-    return TraceReplayer(mission, terms).record(path, header, runs)
+    with Journal.create(path, header) as journal:
+        return TraceReplayer(mission, terms, journal).play(runs)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from functools import partial
-from pathlib import Path
 from typing import Any, NamedTuple
 
 from rai_missions.engine import Chart
@@ -17,7 +16,7 @@ from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.step import Ask, CallService, StartBehaviour, StartGoal, Step
 from rai_missions.event import Event, Tick
 from rai_missions.guards.guard import Truth
-from rai_missions.journal import Header, Journal
+from rai_missions.journal import Journal
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.abstraction import PURSUED
 from rai_missions.prove.environment import Environment
@@ -129,9 +128,11 @@ class TraceReplayer:
     Args:
         mission: The mission.
         terms: What is known of the robot.
+        journal: Where its steps are written.
     """
 
-    def __init__(self, mission: Mission, terms: RobotFacts | None) -> None:
+    def __init__(self, mission: Mission, terms: RobotFacts | None, journal: Journal) -> None:
+        self._journal = journal
         self._predicates: Mapping[str, Truth] = {}
         names = {name for each in guards_in(mission) for name in each.predicates()}
         self._chart = Chart(mission, terms=terms, named={name: self._predicate(name) for name in names})
@@ -142,23 +143,12 @@ class TraceReplayer:
         self._started: dict[str, list[int]] = {}
         """Owner → the numbers of what it has started."""
         self._quiet: dict[str, tuple[str, Any, float]] = {}
-        self._journal: Journal | None = None
 
-    def record(self, path: Path, header: Header, run: list[TraceStep]) -> bool:
-        """Do the scenes.
-
-        Returns:
-            Whether the run comes to the same states, and the same outcome, as the last scene.
-
-        Raises:
-            UsageError: The file is there already, or none can be written there.
-        """
-        with Journal.create(path, header) as journal:
-            self._journal = journal
-            for scene in run:
-                self._play(scene)
-        last = run[-1]
-        return self._is_reached(last)
+    def play(self, run: list[TraceStep]) -> bool:
+        """Do the scenes; whether the run comes to the same states, and the same outcome, as the last one."""
+        for scene in run:
+            self._play(scene)
+        return self._is_reached(run[-1])
 
     def _is_reached(self, scene: TraceStep) -> bool:
         if scene.outcome is None:
@@ -217,7 +207,6 @@ class TraceReplayer:
                 self._started.setdefault(owner, []).append(effect.number)
             elif isinstance(effect, Ask):
                 self._started.setdefault(effect.question.owner, []).append(effect.question.number)
-        assert self._journal is not None
         if chart.quiet and step.event.kind in ("write", "tick"):
             self._quiet |= {key: (key, value, step.at) for key, value in step.writes}
         else:

@@ -72,19 +72,19 @@ class ContinuedClock:
         self._clock, self._start = clock, start
         self._ahead: float | None = None
 
-    def begin(self) -> None:
-        """Time moves from now on."""
+    def begin(self) -> float:
+        """Time moves from now on; how far it is ahead of the other clock."""
         if self._ahead is None:
             self._ahead = self._start - self._clock.now()
+        return self._ahead
 
     def now(self) -> float:
         return self._start if self._ahead is None else self._clock.now() + self._ahead
 
     def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
-        self.begin()
-        assert self._ahead is not None
-        theirs = until - self._ahead
-        while theirs + self._ahead < until:  # rounded; who waits for `until` would be left just before it
+        ahead = self.begin()
+        theirs = until - ahead
+        while theirs + ahead < until:  # rounded; who waits for `until` would be left just before it
             theirs = math.nextafter(theirs, math.inf)
         self._clock.wait(mailbox, theirs, paced=paced)
 

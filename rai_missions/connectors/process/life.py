@@ -106,8 +106,8 @@ class ProcessLife:
     def _live(self) -> None:
         reply_fd, why = -1, ""
         try:
-            reply_fd = self._start()
-            self._read(reply_fd)
+            reply_fd, guard_fd = self._start()
+            self._read(reply_fd, guard_fd)
         except Broken as broken:
             why = str(broken)
         except Exception as error:  # noqa: BLE001 - without this, whatever asked would wait for ever
@@ -121,8 +121,8 @@ class ProcessLife:
             self.why = why or self.why or report or "it is gone"
         self._on_end()
 
-    def _start(self) -> int:
-        """Start the guard; the descriptor from which replies are read."""
+    def _start(self) -> tuple[int, int]:
+        """Start the guard; the descriptors from which replies, and the guard's report, are read."""
         requests = self._requests
         replies, reply_end = os.pipe()
         given = map(str, (requests, reply_end, self._most_bytes))
@@ -130,7 +130,7 @@ class ProcessLife:
             with self._lock:
                 if self._ends:
                     raise Broken("it was closed")
-                self._process = subprocess.Popen(
+                process = self._process = subprocess.Popen(
                     [sys.executable, "-P", "-m", GUARD, self._work, *given],
                     stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
                     pass_fds=(requests, reply_end), start_new_session=True, env=_environment(),
@@ -141,13 +141,12 @@ class ProcessLife:
         finally:
             os.close(requests)
             os.close(reply_end)
-        return replies
+        assert process.stdout is not None
+        return replies, process.stdout.fileno()
 
-    def _read(self, fd: int) -> None:
+    def _read(self, fd: int, guard: int) -> None:
         """Take replies until the process has closed the pipe, or the guard is gone."""
-        assert self._process is not None
-        assert self._process.stdout is not None
-        inlet, guard = Inlet(), self._process.stdout.fileno()
+        inlet = Inlet()
         while True:
             if fd not in readable(fd, guard):
                 return
