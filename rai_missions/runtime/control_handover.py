@@ -28,14 +28,14 @@ class Handovers:
     """What a run has to do with control.
 
     Args:
-        robot: The profile; without one control changes at once.
+        robot: The profile; without a service for it control changes at once.
         connector: How the robot is reached.
         scheduler: When the run reports that it is alive, and where acknowledgements go.
         on_lost: Receives who does not get control that was asked for, and whether that was refused; from any thread.
     """
 
     def __init__(
-        self, robot: Robot | None, connector: Connector | None, scheduler: Scheduler,
+        self, robot: Robot, connector: Connector | None, scheduler: Scheduler,
         on_lost: Callable[[str, bool], None],
     ) -> None:  # fmt: skip
         self._robot, self._connector = robot, connector
@@ -56,8 +56,8 @@ class Handovers:
             role: Whose request it is; None for the mission's own.
         """
         robot = self._robot
-        entry = robot.control.get(to) if robot is not None else None
-        if robot is not None and robot.holder is not None and entry is None:
+        entry = robot.control.get(to)
+        if robot.holder is not None and entry is None:
             log.warning("control does not go to %s: the profile's 'control' has no service for it", to)
             self._lost(to, False)
         elif entry is None or self._connector is None:
@@ -71,7 +71,7 @@ class Handovers:
         Args:
             done: Called when it is, or cannot be; from any thread. `letting_go` is false by then.
         """
-        entry = self._robot.control.get("nobody") if self._robot is not None else None
+        entry = self._robot.control.get("nobody")
         if entry is None or self._connector is None or self.letting_go is not None:
             return
         self.letting_go = True
@@ -91,7 +91,7 @@ class Handovers:
             if not entry.succeeded(reply.outcome, reply.data):
                 log.warning("control does not go to %s: %s", to, reply.why or reply.data.get("message", reply.outcome))
                 self._lost(to, reply.outcome == "succeeded")
-            elif self._robot is None or self._robot.holder is None:
+            elif self._robot.holder is None:
                 self._acknowledged(*wish)
             done()
 
@@ -108,7 +108,7 @@ class Handovers:
         self._scheduler.post(Event(to, self._scheduler.now(), data, "control"))
 
     def _report_alive(self) -> None:
-        entry = self._robot.alive if self._robot is not None else None
+        entry = self._robot.alive
         if entry is None or self._connector is None:
             return
         try:

@@ -59,7 +59,7 @@ class EffectExecutor:
     Args:
         mission: Whose effects are carried out.
         run: The run's identity; goal ids are derived from it.
-        robot: The profile; without one every start and call is rejected.
+        robot: The profile; a start or call that is not in it is rejected.
         connector: How the robot is reached.
         answerers: Who answers questions, by name.
         scheduler: Where events go, and what is done when.
@@ -68,7 +68,7 @@ class EffectExecutor:
     """
 
     def __init__(
-        self, mission: Mission, *, run: str, robot: Robot | None, connector: Connector | None,
+        self, mission: Mission, *, run: str, robot: Robot, connector: Connector | None,
         answerers: Mapping[str, Answerer], scheduler: Scheduler, control: Control, note: Callable[[str], None],
     ) -> None:  # fmt: skip
         self._robot, self._connector, self._answerers = robot, connector, answerers
@@ -111,7 +111,7 @@ class EffectExecutor:
 
     def _expect(self) -> None:
         connector: object = self._connector
-        if self._robot is not None and isinstance(connector, SupportsPreconnect):
+        if isinstance(connector, SupportsPreconnect):
             for mode, name, type_name in endpoints(self._robot):
                 with suppress(MissionError):  # reported when it is used
                     connector.expect(mode, name, type_name)
@@ -224,7 +224,7 @@ class EffectExecutor:
             self._perform[type(effect)](effect)
 
     def _may_repeat(self, effect: CallService) -> bool:
-        entry = self._robot.services.get(effect.service) if self._robot is not None else None
+        entry = self._robot.services.get(effect.service)
         return entry is None or entry.repeat
 
     def _publish_again(self, effect: PublishMessage, *, fresh: bool) -> None:
@@ -235,7 +235,7 @@ class EffectExecutor:
 
     def is_doubtful(self, effect: Effect) -> bool:
         """It is a message that may not be published twice."""
-        entry = self._robot.topics.get(effect.topic) if self._robot and isinstance(effect, PublishMessage) else None
+        entry = self._robot.topics.get(effect.topic) if isinstance(effect, PublishMessage) else None
         return entry is not None and not entry.repeat
 
     def _doubt(self, what: str, name: str, number: int, outcome: str) -> None:
@@ -269,7 +269,7 @@ class EffectExecutor:
         self._goals.cancel(effect)
 
     def _call(self, effect: CallService) -> None:
-        entry = self._robot.services.get(effect.service) if self._robot is not None else None
+        entry = self._robot.services.get(effect.service)
         if entry is None or self._connector is None:
             self._event("result", "unavailable", effect.number, {"why": f"no robot has a service '{effect.service}'"})
             return
@@ -288,14 +288,14 @@ class EffectExecutor:
         self._goals.behind_cancels(lambda: self._guarded(effect, call))
 
     def _publish(self, effect: PublishMessage) -> None:
-        entry = self._robot.topics.get(effect.topic) if self._robot is not None else None
+        entry = self._robot.topics.get(effect.topic)
         if entry is None or self._connector is None:
             log.warning("no robot has a topic '%s'; its message is lost", effect.topic)
             return
         self._connector.publish(entry.topic, entry.type, entry.message_of(effect.message))
 
     def _speak(self, effect: SayAloud) -> None:
-        if self._robot is not None and "say" in self._robot.topics:
+        if "say" in self._robot.topics:
             self._publish(PublishMessage("say", {"data": effect.text}))
         log.info("speaks: %s", effect.text, extra={MISSION_LINE: True})
 

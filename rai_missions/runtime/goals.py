@@ -41,13 +41,13 @@ class Goals:
 
     Args:
         run: The run's identity.
-        robot: The profile; without one every start is rejected.
+        robot: The profile; the start of an action that is not in it is rejected.
         connector: How the robot is reached.
         on_event: Called with kind, name, number and data of an event.
     """
 
     def __init__(
-        self, run: str, robot: Robot | None, connector: Connector | None,
+        self, run: str, robot: Robot, connector: Connector | None,
         *, on_event: Callable[[EventKind, str, int, Mapping[str, Any]], None],
     ) -> None:  # fmt: skip
         self._run, self._robot, self._connector, self._on_event = run, robot, connector, on_event
@@ -206,7 +206,7 @@ class Goals:
         return tuple(self._composed.values())
 
     def _entry(self, action: str) -> ActionEntry | None:
-        return self._robot.actions.get(action) if self._robot is not None else None
+        return self._robot.actions.get(action)
 
     def _sent(self, entry: ActionEntry, effect: StartGoal) -> tuple[str, Callable[[Report], None]]:
         """A goal's id, and what its reports go to."""

@@ -19,12 +19,12 @@ class Rivalry:
     """A survey of the servers of a mission's actions.
 
     Args:
-        robot: The profile; without one nothing is asked.
+        robot: The profile.
         connector: How the robot is reached.
         wake: Called, from any thread, once all is known.
     """
 
-    def __init__(self, robot: Robot | None, connector: Connector | None, wake: Callable[[], None]) -> None:
+    def __init__(self, robot: Robot, connector: Connector | None, wake: Callable[[], None]) -> None:
         self._robot, self._connector, self._wake = robot, connector, wake
         self._lock = threading.Lock()
         self._asked = 0
@@ -38,7 +38,7 @@ class Rivalry:
             within_s: How long a second server may take to go.
         """
         connector: object = self._connector
-        if self._robot is None or not isinstance(connector, Surveyor):
+        if not isinstance(connector, Surveyor):
             return
         entries = (self._robot.actions.get(name) for name in actions)
         servers = {(entry.action, entry.type) for entry in entries if entry is not None and entry.action is not None}

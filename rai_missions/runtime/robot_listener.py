@@ -34,7 +34,7 @@ class RobotListener:
     """The ears and eyes of a run.
 
     Args:
-        robot: The profile; without one nothing is received.
+        robot: The profile, which names what is received.
         connector: How the robot is reached.
         scheduler: When services are asked, and where events go.
         keys: The mission's, to whose types a reading is held before it counts as understood.
@@ -42,7 +42,7 @@ class RobotListener:
     """
 
     def __init__(
-        self, robot: Robot | None, connector: Connector | None, scheduler: Scheduler,
+        self, robot: Robot, connector: Connector | None, scheduler: Scheduler,
         keys: Mapping[str, Key] | None = None, note: Callable[[str], None] = lambda _text: None,
     ) -> None:  # fmt: skip
         self._robot, self._connector, self._keys, self._note = robot, connector, keys or {}, note
@@ -58,7 +58,7 @@ class RobotListener:
         self._under_way: set[str] = set()
         """Actions that were begun and whose end was not asked for."""
         self._polls: dict[Poll, tuple[Mapping[str, Any], list[OnMessage]]] = {}
-        self.holder = None if robot is None or robot.holder is None else ""
+        self.holder = None if robot.holder is None else ""
         """Who holds control, as the robot reports it; empty if it has yet to, None if it never will."""
 
     def source(self, key: str) -> SourceState:
@@ -68,7 +68,7 @@ class RobotListener:
 
     def open(self) -> None:
         """Subscribe to topics and begin to ask services."""
-        if self._robot is None or self._connector is None:
+        if self._connector is None:
             return
         self._open = True
         for key, source in self._robot.blackboard.items():
@@ -92,8 +92,7 @@ class RobotListener:
 
     def begin_action(self, action: str) -> None:
         """An action is about to begin: what is so now is no news during it."""
-        if self._robot is not None:
-            self._before |= {name: True for name, event in self._robot.events.items() if event.during == action}
+        self._before |= {name: True for name, event in self._robot.events.items() if event.during == action}
         self.continue_action(action)
 
     def continue_action(self, action: str) -> None:

@@ -47,7 +47,7 @@ __all__ = ("Result", "Runner")
 log = logger(__name__)
 
 T = TypeVar("T")
-NEW_RUN, UNOBSERVED = NewRun(), RunObserver()
+NEW_RUN, UNOBSERVED, NO_ROBOT = NewRun(), RunObserver(), Robot("none")
 SURVEYED_S = 3.0
 """How long after `ready_s` it may take to be known which actions two servers serve."""
 
@@ -94,7 +94,7 @@ class Runner(RunCommands):
         self._lifecycle, self._connector = Lifecycle(), connector
         control, scheduler = self._lifecycle.control, Scheduler(self._clock, self._mailbox)
         self._executor = EffectExecutor(
-            mission, run=self.run_id, robot=robot, connector=connector, answerers=dict(answerers or {}),
+            mission, run=self.run_id, robot=robot or NO_ROBOT, connector=connector, answerers=dict(answerers or {}),
             scheduler=scheduler, control=control, note=self.note,
         )  # fmt: skip
         super().__init__(scheduler, control, self._executor.handovers)
@@ -122,7 +122,7 @@ class Runner(RunCommands):
             if isinstance(each, ReadsRun):
                 each.read_from(self.view)
         self._failed_observers: set[str] = set()
-        self._about = robot.about if robot is not None else ""
+        self._about = (robot or NO_ROBOT).about
         self._observer = observer
         self._notes: deque[tuple[str, Any]] = deque()
         self._loose: tuple[OpenGoal, ...] = self._chart.loose_goals

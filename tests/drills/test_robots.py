@@ -47,7 +47,7 @@ ENDS = {"succeeded", "failed", "aborted", "canceled"}
 def unowned(running: Iterable[str], runner: Runner, steps: Sequence[Step]) -> list[str]:
     """The goals that run on although no one owns them and nothing in the journal states it."""
     notes = [note for step in steps for note in step.notes]
-    ids = Goals(runner.run_id, None, None, on_event=lambda *_: None)
+    ids = Goals(runner.run_id, Robot("none"), None, on_event=lambda *_: None)
     started = {
         ids.goal_id(effect.number, effect.owner): effect.number
         for step in steps for effect in step.effects if isinstance(effect, StartGoal)

@@ -14,6 +14,7 @@ from rai_missions.engine.step import Ask, CallService, StartGoal, Step
 from rai_missions.journal import StepRow
 from rai_missions.journal.in_flight import needs_confirmation
 from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot
 from rai_missions.replay.open_run import OpenedRun
 from rai_missions.runtime.goals import Goals
 from rai_missions.runtime.runner import Runner
@@ -103,7 +104,7 @@ class Inquest(Coroner):
         words = {name: state.word for _, name, state in mission.walk()}
         self._trees = {name for name, word in words.items() if word == "tree"}
         self._parallels = {name for name, word in words.items() if word == "parallel"}
-        self._ids = Goals("run", None, None, on_event=lambda *_: None)
+        self._ids = Goals("run", Robot("none"), None, on_event=lambda *_: None)
         self.kills: Counter[str] = Counter()
         """Instant → how many deaths came at one."""
         self.deaths = 0
