@@ -128,37 +128,35 @@ class Navigator:
         return self._monitor.reduced(pose[:2], pose.heading, self._command(pose, at))
 
     def _command(self, pose: RobotPose, at: float) -> tuple[float, float]:
-        if self.goal is None:
+        goal = self.goal
+        if goal is None:
             return 0.0, 0.0
         if self._recovery is not None:
             if not self._recovery.is_over(at):
                 return self._recovery.command(self._behind_m)
             self._recovery, self._next_plan, self._best_at, self._best_m = None, at, at, math.inf
-        left = math.dist(pose[:2], self.goal[:2])
+        left = math.dist(pose[:2], goal[:2])
         if left < ARRIVED_M:
-            return self._turn(pose)
-        if (at >= self._next_plan or not self._way) and not self._plan(pose, at):
-            return self._recover("no way leads to {}", NO_WAY, at)
+            return self._turn(pose, goal)
+        if (at >= self._next_plan or not self._way) and not self._plan(pose, goal, at):
+            return self._recover(f"no way leads to {_place(goal)}", NO_WAY, at)
         self._pass(pose)
         if self._ahead_m < TOUCH_M and abs(self._aim(pose)) < 0.5:
-            return self._recover("something stands close ahead on the way to {}", NO_PROGRESS, at)
+            return self._recover(f"something stands close ahead on the way to {_place(goal)}", NO_PROGRESS, at)
         if not self._is_getting_on(at):
-            return self._recover("no progress on the way to {}", NO_PROGRESS, at)
+            return self._recover(f"no progress on the way to {_place(goal)}", NO_PROGRESS, at)
         return self._follow(pose, left)
 
-    def _plan(self, pose: RobotPose, at: float) -> bool:
-        assert self.goal is not None
+    def _plan(self, pose: RobotPose, goal: NamedPose, at: float) -> bool:
         grid = self.costmap
-        cells = plan(grid.cost, grid.cell(pose.x, pose.y), grid.cell(*self.goal[:2]))
+        cells = plan(grid.cost, grid.cell(pose.x, pose.y), grid.cell(*goal[:2]))
         self._next_plan = at + PLAN_S
-        self._way = [] if cells is None else [*map(grid.middle, cells[:-1]), self.goal[:2]]
+        self._way = [] if cells is None else [*map(grid.middle, cells[:-1]), goal[:2]]
         return cells is not None
 
     def _recover(self, why: str, error: int, at: float) -> tuple[float, float]:
-        assert self.goal is not None
         if self.recoveries >= self._most:
-            place = f"({self.goal.x:.2f}, {self.goal.y:.2f})"
-            self.fail(f"{why.format(place)}, after {self.recoveries} recoveries", error)
+            self.fail(f"{why}, after {self.recoveries} recoveries", error)
             return 0.0, 0.0
         sort = sort_of(self.recoveries)
         self.recoveries += 1
@@ -190,16 +188,20 @@ class Navigator:
         speed = FASTEST_MPS * max(0.0, math.cos(aside)) ** 2 * min(1.0, left / 0.3 + 0.1)
         return speed if self._low_ahead_m > LOW_STOP_M else 0.0, 2.5 * aside
 
-    def _turn(self, pose: RobotPose) -> tuple[float, float]:
-        assert self.goal is not None
+    def _turn(self, pose: RobotPose, goal: NamedPose) -> tuple[float, float]:
         self._way = []
-        aside = _wrapped(self.goal.heading - pose.heading) if self._turns else 0.0
+        aside = _wrapped(goal.heading - pose.heading) if self._turns else 0.0
         if abs(aside) > TURNED_RAD:
             return 0.0, 1.5 * aside + math.copysign(0.2, aside)
         if abs(pose.speed) < 0.05 and abs(pose.turn) < 0.2:
             self.stop()
             self.outcome = "arrived"
         return 0.0, 0.0
+
+
+def _place(goal: NamedPose) -> str:
+    """Where a goal is, in words."""
+    return f"({goal.x:.2f}, {goal.y:.2f})"
 
 
 def _unseen(points: NDArray[np.float64], angles: NDArray[np.float64], ranges: NDArray[np.float64]) -> NDArray[np.bool_]:
