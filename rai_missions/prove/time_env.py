@@ -14,6 +14,7 @@ from rai_missions.engine import Chart
 from rai_missions.engine.activities.decision import DecisionActivity
 from rai_missions.engine.activities.tree import RunningLeaf, TreeActivity, TreeMachine, limit_of
 from rai_missions.engine.hold import is_held, live
+from rai_missions.engine.state import RunState
 from rai_missions.engine.timing import pass_instant
 from rai_missions.prove.abstraction import PURSUED, Abstraction
 from rai_missions.prove.branches import firsts, parted, passed
@@ -51,6 +52,11 @@ class TimeEnvironment:
         """The state of the tree, and the group of its waits, of which something is over in this step."""
         self._spans = self._durations()
 
+    @property
+    def _state(self) -> RunState:
+        """The state that is loaded, or that the step leads to."""
+        return self._chart.state
+
     def _durations(self) -> dict[tuple[str, Any], tuple[str, float]]:
         """The timers that are set when a state is entered → the state, and after how many seconds they run out."""
         found: dict[tuple[str, Any], tuple[str, float]] = {}
@@ -67,7 +73,7 @@ class TimeEnvironment:
         if key not in self._spans:
             return False
         owner, span = self._spans[key]
-        spans = (self._spans[each] for each in self._chart.state.timers if each in self._spans)
+        spans = (self._spans[each] for each in self._state.timers if each in self._spans)
         return any(name == owner and other < span for name, other in spans)
 
     @property
@@ -78,7 +84,7 @@ class TimeEnvironment:
     def kept(self, waiting: Iterable[Stimulus], taken: str) -> frozenset[str]:
         """Which of the things that waited for time wait on after a step, and not from the beginning."""
         begun = {
-            name for move in self._chart.state.draft.moves for name in (*move.exited, *move.entered)
+            name for move in self._state.draft.moves for name in (*move.exited, *move.entered)
         } | self._instruments.turned
         return frozenset(each.words for each in waiting if each.words != taken and self._waits_on(each, begun))
 
@@ -87,14 +93,14 @@ class TimeEnvironment:
             return each.owner not in begun
         key, order = each.timer
         if key[0] == "goal":
-            goal = self._chart.state.goals.get(order)
+            goal = self._state.goals.get(order)
             return goal is not None and goal.phase not in (*PURSUED, "orphaned")
-        return key in self._chart.state.timers and self._chart.state.timers[key].order == order
+        return key in self._state.timers and self._state.timers[key].order == order
 
     def time_passes(self, *woken: str) -> None:
         """What has run out takes effect; the machines of these states are informed that time has passed."""
         self._chart.state.draft.due = frozenset(woken)
-        pass_instant(self._chart.program, self._chart.state)
+        pass_instant(self._chart.program, self._state)
 
     def elapse(self, change: Callable[[], None], *woken: str, beyond: str = "") -> Callable[[], None]:
         """Time passes until something has run out; what is known may go stale at the same instant.
@@ -113,8 +119,8 @@ class TimeEnvironment:
             for key in self._world.wavering:
                 self._world.board.put(key, before[key])
             self._world.wavering.clear()
-            if gone and self._chart.state.mode != "ended":
-                self._chart.state.draft.news.update(dict.fromkeys(gone, ""))
+            if gone and self._state.mode != "ended":
+                self._state.draft.news.update(dict.fromkeys(gone, ""))
                 self.time_passes(*self._readers(gone))
 
         return happen
@@ -134,29 +140,28 @@ class TimeEnvironment:
         wanted = {*keys, "*"}
         return [
             name
-            for name, machine, state in live(self._chart.program, self._chart.state)
+            for name, machine, state in live(self._chart.program, self._state)
             if not machine.reads(state).isdisjoint(wanted)
         ]
 
     def times(self) -> Iterator[Stimulus]:
         """Each thing that waits for time gets it, in any order."""
-        for key in sorted(self._chart.state.timers, key=str):
-            if self._comes_later(key) or self._chart.state.timers[key].control in self._chart.state.frozen:
+        for key, timer in sorted(self._state.timers.items(), key=lambda each: str(each[0])):
+            if self._comes_later(key) or timer.control in self._state.frozen:
                 continue
             kind, which = key
             kinds = {"after": f"the time of transition {which} has come", "timeout": f"the time of '{which}' is over"}
-            words = kinds.get(kind, f"'{self._chart.state.timers[key].name}' is due")
-            timer = self._chart.state.timers[key]
+            words = kinds.get(kind, f"'{timer.name}' is due")
             raised = timer.name if kind == "raise" else ""
             yield Stimulus(words, "time", self.elapse(self._ring(key)), timer=(key, timer.order), event=raised)
-        for name, until in sorted(self._chart.state.pending.items()):
+        for name, until in sorted(self._state.pending.items()):
             if until != math.inf:
                 yield Stimulus(f"no handover for '{name}' in time", "time", self.elapse(self._late(name)), owner=name)
         for name in self._settling_now():
             yield Stimulus(f"'{name}' has not settled", "time", self.elapse(self._unsettled(name)), owner=name)
-        if self._chart.state.final is not None and not self._chart.state.settling:
+        if self._state.final is not None and not self._state.settling:
             yield Stimulus("time passes at the end", "time", self.elapse(lambda: None))
-        if self._chart.state.cancel_by != math.inf:
+        if self._state.cancel_by != math.inf:
             yield Stimulus("the cancel takes too long", "time", self.elapse(self._too_long))
         yield from self._ages()
 
@@ -165,8 +170,8 @@ class TimeEnvironment:
         nodes = self._chart.program.graph.nodes
         return [
             name
-            for name in sorted(self._chart.state.settling)
-            if self._chart.state.final is not None or not is_held(self._chart.state, nodes[name])
+            for name in sorted(self._state.settling)
+            if self._state.final is not None or not is_held(self._state, nodes[name])
         ]
 
     def orphans(self) -> Iterator[Stimulus]:
@@ -179,24 +184,24 @@ class TimeEnvironment:
 
     def _ages(self) -> Iterator[Stimulus]:
         for name in self._codec.aging:
-            if name and is_held(self._chart.state, self._chart.program.graph.nodes[name]):
+            if name and is_held(self._state, self._chart.program.graph.nodes[name]):
                 continue
             words = f"'{name or 'the mission'}' has lasted {self._codec.next_age(name):g} s"
-            aged = self.elapse(self._aged(name), *self._chart.state.running)
+            aged = self.elapse(self._aged(name), *self._state.running)
             yield Stimulus(words, "time", aged, owner=name, is_tick=True)
-        for memory, since in sorted(self._chart.state.held.items()):
+        for memory, since in sorted(self._state.held.items()):
             keeper = self._chart.program.graph.keepers[memory]
-            if since == NOW and keeper.control not in self._chart.state.frozen:
+            if since == NOW and keeper.control not in self._state.frozen:
                 words = f"the guard of {memory.partition('#')[0]} has held for long enough"
                 yield Stimulus(words, "time", self.elapse(self._mature(memory)), owner=keeper.name)
 
     def machine_times(self) -> Iterator[Stimulus]:
         for name, path, state in list(self._inputs.inner()):
-            owner, tree = owned(name, path), self._chart.state.running[name]
+            owner, tree = owned(name, path), self._state.running[name]
             if path is not None and tree.leaves[path].deadline != math.inf:
                 over = self.elapse(self._leaf_over(name, path), name)
                 yield Stimulus(f"the time of '{owner}' is over", "time", over, owner=name)
-            wake = self._machine_of(name, path).wake_at(state, self._chart.state)
+            wake = self._machine_of(name, path).wake_at(state, self._state)
             words = f"time passes for '{owner}'"
             if isinstance(state, DecisionActivity) and state.deadline != math.inf:
                 wake, words = state.deadline, f"the deadline of '{owner}' has come"
@@ -220,7 +225,7 @@ class TimeEnvironment:
     def _pass_for(self, name: str, group: frozenset[str]) -> Callable[[], None]:
         def change() -> None:
             self._over = (name, group)
-            self._chart.state.running[name] = passed(self._chart.state.running[name], group, NOW)
+            self._state.running[name] = passed(self._state.running[name], group, NOW)
 
         return change
 
@@ -231,7 +236,7 @@ class TimeEnvironment:
     def part_groups(self) -> None:
         """Bring the groups of what waits in trees up to date, once a step has come to rest."""
         (over, group), codec, begun = self._over, self._codec, self._instruments.begun
-        running = self._chart.state.running
+        running = self._state.running
         for name, activity in running.items():
             if isinstance(activity, TreeActivity):
                 its_own = group if name == over else None
@@ -248,22 +253,22 @@ class TimeEnvironment:
 
     def _ring(self, key: Any) -> Callable[[], None]:
         def change() -> None:
-            self._chart.state.timers[key] = self._chart.state.timers[key]._replace(due=NOW)
+            self._state.timers[key] = self._state.timers[key]._replace(due=NOW)
 
         return change
 
     def _late(self, name: str) -> Callable[[], None]:
-        return lambda: self._chart.state.pending.update({name: NOW})
+        return lambda: self._state.pending.update({name: NOW})
 
     def _unsettled(self, name: str) -> Callable[[], None]:
-        return lambda: self._chart.state.settling.update({name: NOW})
+        return lambda: self._state.settling.update({name: NOW})
 
     def _too_long(self) -> None:
         self._chart.state.cancel_by = NOW
 
     def _orphan(self, number: int) -> Callable[[], None]:
         def change() -> None:
-            goals = self._chart.state.goals
+            goals = self._state.goals
             goals[number] = goals[number]._replace(until=NOW)
 
         return change
@@ -274,13 +279,13 @@ class TimeEnvironment:
         return lambda: self._codec.grow_old(name, age)
 
     def _mature(self, memory: str) -> Callable[[], None]:
-        return lambda: self._chart.state.held.update({memory: LONG_AGO})
+        return lambda: self._state.held.update({memory: LONG_AGO})
 
     def _leaf_over(self, name: str, path: str) -> Callable[[], None]:
         def change() -> None:
-            tree = self._chart.state.running[name]
+            tree = self._state.running[name]
             leaves = {**tree.leaves, path: RunningLeaf(tree.leaves[path].state, NOW)}
-            self._chart.state.running[name] = tree._replace(leaves=leaves)
+            self._state.running[name] = tree._replace(leaves=leaves)
 
         return change
 
@@ -288,13 +293,13 @@ class TimeEnvironment:
         """So much time passes for one machine alone."""
 
         def change() -> None:
-            machine, state = self._machine_of(name, path), self._chart.state.running[name]
+            machine, state = self._machine_of(name, path), self._state.running[name]
             if path is None:
-                self._chart.state.running[name] = machine.shift(state, NOW - wake)
+                self._state.running[name] = machine.shift(state, NOW - wake)
                 return
             leaf = state.leaves[path]
             leaves = {**state.leaves, path: RunningLeaf(machine.shift(leaf.state, NOW - wake), leaf.deadline)}
-            self._chart.state.running[name] = state._replace(leaves=leaves)
+            self._state.running[name] = state._replace(leaves=leaves)
 
         return change
 
@@ -302,10 +307,10 @@ class TimeEnvironment:
         """So much time passes for a tree that its own next instant comes; its leaves' time is another affair."""
 
         def change() -> None:
-            state, machine = self._chart.state.running[name], self._chart.program.machines[name]
+            state, machine = self._state.running[name], self._chart.program.machines[name]
             assert isinstance(machine, TreeMachine)
             self._over = (name, frozenset())
             tree = machine.ticker.shift(state.tree, NOW - state.wake)
-            self._chart.state.running[name] = state._replace(tree=tree, wake=NOW)
+            self._state.running[name] = state._replace(tree=tree, wake=NOW)
 
         return change
