@@ -101,7 +101,7 @@ class Position:
 
 
 def _waits(waiting: Mapping[str, str], holder: str, held_by: str) -> str:
-    """No one asks for control in the mission's name once it was taken away: who moved it had a reason."""
+    """What waits for which holder of control, in words for the status; empty where nothing does."""
     if held_by:
         each = ", ".join(sorted(waiting))
         return f"held until the operator gives control back; {holder} has it" + (f"; {each} waits" if each else "")
