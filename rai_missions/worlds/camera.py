@@ -101,9 +101,9 @@ class Camera:
         """A colour picture of a moment; it is rendered when its bytes are asked for."""
         return Image(ref, self.width, self.height, "rgb8", lambda: self.colour(moment).tobytes())
 
-    def colour(self, moment: Moment, camera: str = FRONT) -> NDArray[np.uint8]:
+    def colour(self, moment: Moment) -> NDArray[np.uint8]:
         """Pixels (rows, columns, 3)."""
-        return self._renderers.do(lambda: self._colour(moment, camera))
+        return self._renderers.do(lambda: self._colour(moment))
 
     def depth_m(self, moment: Moment) -> NDArray[np.float32]:
         """Distance along the camera's axis in m, as large as a colour picture."""
@@ -135,12 +135,12 @@ class Camera:
         pixels: NDArray[Any] = self._at(moment, size, camera).render().copy()
         return pixels
 
-    def _colour(self, moment: Moment, camera: str) -> NDArray[np.uint8]:
+    def _colour(self, moment: Moment) -> NDArray[np.uint8]:
         """With fog, where the model has the number `fog`; what is measured is not fogged."""
         flags = self._renderers.of(self.height, self.width).scene.flags
         flags[mujoco.mjtRndFlag.mjRND_FOG] = self._has_fog
         try:
-            return self._render(moment, (self.height, self.width), camera)
+            return self._render(moment, (self.height, self.width), FRONT)
         finally:
             flags[mujoco.mjtRndFlag.mjRND_FOG] = 0
 
