@@ -137,7 +137,7 @@ class AskSettings(NamedTuple):
 
     def _reply(self, cell: Cell, question: Question, asked: AskedScene, labels: Mapping[str, str]) -> CellReply:
         return self.models.ask(
-            cell.model, question, asked.chart.view, scene=asked.scene, labels=labels,
+            cell.model, question, asked, labels=labels,
             embodiment=(cell.embodiment, self.bodies[cell.embodiment]),
         )  # fmt: skip
 

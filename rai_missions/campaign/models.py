@@ -16,15 +16,15 @@ from rai_missions.answerers.rules import RulesAnswerer
 from rai_missions.answerers.script import ScriptAnswerer
 from rai_missions.campaign.cells import digest
 from rai_missions.campaign.file import ANY_KIND, CONSTANT, CampaignFile
-from rai_missions.campaign.records import BEST_FIRST, SceneRecord
+from rai_missions.campaign.records import BEST_FIRST
 from rai_missions.engine.decision import Answerer, Question
-from rai_missions.guards.guard import View
 from rai_missions.profile import Robot
 
 if TYPE_CHECKING:
     from rai_missions.answerers.model.agent import DecisionAgent
     from rai_missions.answerers.model.chat import Chat
     from rai_missions.campaign.embodiments import RobotView
+    from rai_missions.campaign.questions import AskedScene
     from rai_missions.campaign.watched_chat import WatchedChat
     from rai_missions.keys import Key
 
@@ -116,7 +116,7 @@ class CampaignModels:
             self._agent(model, embodiment)[0].wait_until_open(question)
 
     def ask(
-        self, model: str, question: Question, view: View, *, scene: SceneRecord, labels: Mapping[str, str],
+        self, model: str, question: Question, asked: AskedScene, *, labels: Mapping[str, str],
         embodiment: tuple[str, RobotView],
     ) -> CellReply:  # fmt: skip
         """Put a question to a model and wait for the answer.
@@ -124,8 +124,7 @@ class CampaignModels:
         Args:
             model: Its name in the campaign.
             question: As the answerer is to see it.
-            view: What is known of the run, for rules.
-            scene: Where it is asked, for scripts.
+            asked: Where it is asked: for rules, which look at what is known, and for scripts.
             labels: Option → verdict in the scene, for the oracle.
             embodiment: The name of the embodiment, and what it shows.
 
@@ -133,7 +132,7 @@ class CampaignModels:
             UsageError: The model cannot be opened, as far as that is known without asking it.
         """
         if not is_chat(model, self._file):
-            return CellReply(_at_once(self._answerer(model, question, view, scene, labels), question))
+            return CellReply(_at_once(self._answerer(model, question, asked, labels), question))
         chat, agent = self._agent(model, embodiment)
         chat.forget()
         if absent := chat.wait_until_open(question):
@@ -149,17 +148,16 @@ class CampaignModels:
             return CellReply(answer, texts=tuple(chat.texts))
         return CellReply(answer, chat.raised, tuple(chat.texts), chat.after_s)
 
-    def _answerer(
-        self, model: str, question: Question, view: View, scene: SceneRecord, labels: Mapping[str, str]
-    ) -> Answerer:
+    def _answerer(self, model: str, question: Question, asked: AskedScene, labels: Mapping[str, str]) -> Answerer:
         if model == "rules":
-            return RulesAnswerer(self._rules, keys=self._keys, view=view)
+            return RulesAnswerer(self._rules, keys=self._keys, view=asked.chart.view)
         if model == "oracle":
             return ScriptAnswerer({question.state: [_best(question, labels)]})
         if model.startswith(CONSTANT):
             return ScriptAnswerer({question.state: [model.removeprefix(CONSTANT)]})
         script = self._file.scripts[model]
-        line: Any = script.get(scene.kind, script.get(ANY_KIND, {"absent": f"no line for '{scene.kind}'"}))
+        kind = asked.scene.kind
+        line: Any = script.get(kind, script.get(ANY_KIND, {"absent": f"no line for '{kind}'"}))
         return ScriptAnswerer({question.state: [line]})
 
     def _agent(self, model: str, embodiment: tuple[str, RobotView]) -> tuple[WatchedChat, DecisionAgent]:
