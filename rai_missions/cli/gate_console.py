@@ -16,7 +16,7 @@ from rai_missions.gate import GateAgent, GateWords, gate_words, read_gate
 from rai_missions.gate.bypass_monitor import BypassMonitor
 from rai_missions.gate.config import command_topic, leases_of
 from rai_missions.gate.memory import Memory, usual_path
-from rai_missions.gate.state import COMMANDERS, Answer, ControlChange, Deed, Halt, Pass, PublishStatus, Refuse
+from rai_missions.gate.state import COMMANDERS, Answer, ControlChange, GateEffect, Halt, Pass, PublishStatus, Refuse
 from rai_missions.runtime.clock import WallClock
 from rai_missions.runtime.interrupts import on_signals
 
@@ -93,32 +93,41 @@ def _opening(config: GateWords, holder: str) -> str:
     return "\n".join(lines)
 
 
-def _observer(log: TextIO | None, *, quiet: bool, clock: WallClock) -> Callable[[Deed], None]:
-    def observe(deed: Deed) -> None:
-        if isinstance(deed, ControlChange) and not quiet:
-            print(f"{clock.now():10.3f}  {deed.former} → {deed.holder} (grant {deed.revision}): {deed.why}", flush=True)
-        elif isinstance(deed, Answer) and deed.why and not quiet:
-            print(f"{clock.now():10.3f}  refused to {deed.request.by}: {deed.why}", flush=True)
-        if log is not None and (row := _row(deed)):
+def _observer(log: TextIO | None, *, quiet: bool, clock: WallClock) -> Callable[[GateEffect], None]:
+    def observe(effect: GateEffect) -> None:
+        if isinstance(effect, ControlChange) and not quiet:
+            print(
+                f"{clock.now():10.3f}  {effect.former} → {effect.holder} (grant {effect.revision}): {effect.why}",
+                flush=True,
+            )
+        elif isinstance(effect, Answer) and effect.why and not quiet:
+            print(f"{clock.now():10.3f}  refused to {effect.request.by}: {effect.why}", flush=True)
+        if log is not None and (row := _row(effect)):
             log.write(json.dumps({"at": round(clock.now(), 6), **row}, default=repr) + "\n")
-            if not isinstance(deed, Pass | Refuse):
+            if not isinstance(effect, Pass | Refuse):
                 log.flush()
 
     return observe
 
 
-def _row(deed: Deed) -> dict[str, Any] | None:
+def _row(effect: GateEffect) -> dict[str, Any] | None:
     """A line of the log; a status is none."""
-    if isinstance(deed, PublishStatus):
+    if isinstance(effect, PublishStatus):
         return None
-    if isinstance(deed, Pass | Refuse):
-        did = {"did": "passed"} if isinstance(deed, Pass) else {"did": "refused", "why": deed.why}
-        command = deed.command
-        return {**did, "grant": deed.revision, "who": command.who, "topic": command.topic, "data": command.data}
-    if isinstance(deed, ControlChange):
-        return {"did": "changed", "grant": deed.revision, "from": deed.former, "to": deed.holder, "why": deed.why}
-    if isinstance(deed, Answer):
-        asked = deed.request
-        return {"did": "answered", "grant": deed.revision, "to": asked.to, "by": asked.by, "why": deed.why}
-    assert isinstance(deed, Halt)
-    return {"did": "halted", "why": deed.why}
+    if isinstance(effect, Pass | Refuse):
+        did = {"did": "passed"} if isinstance(effect, Pass) else {"did": "refused", "why": effect.why}
+        command = effect.command
+        return {**did, "grant": effect.revision, "who": command.who, "topic": command.topic, "data": command.data}
+    if isinstance(effect, ControlChange):
+        return {
+            "did": "changed",
+            "grant": effect.revision,
+            "from": effect.former,
+            "to": effect.holder,
+            "why": effect.why,
+        }
+    if isinstance(effect, Answer):
+        asked = effect.request
+        return {"did": "answered", "grant": effect.revision, "to": asked.to, "by": asked.by, "why": effect.why}
+    assert isinstance(effect, Halt)
+    return {"did": "halted", "why": effect.why}

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The gate at work: receives commands and requests over a connector, and passes on what its rules let through.
 
-Rule: what is published leaves in the order of the rules' deeds, whichever thread brought what. So nothing of a former
+Rule: what is published leaves in the order of the rules' effects, whichever thread brought what. So nothing of a former
 holder follows the stop that ended its hold.
 """
 
@@ -27,8 +27,8 @@ from rai_missions.gate.state import (
     Alive,
     Answer,
     ControlChange,
-    Deed,
     Gate,
+    GateEffect,
     GateEvent,
     Halt,
     Pass,
@@ -58,7 +58,7 @@ class GateAgent:
         words: Its configuration.
         connector: Started by its maker; its `now` is the clock's.
         clock: Time; the wall's by default.
-        observe: Receives all that it does, in order: publishing, answering, a change of the holder.
+        observe: Receives each effect of the rules once it was carried out, in order.
         memory: Who held control when a gate was here last; without one it begins with its safe holder.
     """
 
@@ -68,7 +68,7 @@ class GateAgent:
         connector: Connector,
         *,
         clock: Clock | None = None,
-        observe: Callable[[Deed], None] | None = None,
+        observe: Callable[[GateEffect], None] | None = None,
         memory: Memory | None = None,
     ) -> None:
         self._words, self._connector, self._observe, self._memory = words, connector, observe, memory
@@ -204,39 +204,39 @@ class GateAgent:
 
     # -- what is done ----------------------------------------------------------------------------------------------
 
-    def _take(self, happening: Callable[[float], GateEvent]) -> tuple[Deed, ...]:
+    def _take(self, happening: Callable[[float], GateEvent]) -> tuple[GateEffect, ...]:
         """Ask the rules, and do what they state."""
         with self._lock:
             if self._is_closed:
                 return ()
             self.gate, done = step(self._terms, self.gate, happening(self._clock.now()))
-            for deed in done:
-                self._turns.put(partial(self._do, deed))
+            for effect in done:
+                self._turns.put(partial(self._do, effect))
             if self.gate.wake_at(self._terms) < self._waits_until:
                 self._mailbox.wake()
         self._turns.run()
         return done
 
-    def _do(self, deed: Deed) -> None:
+    def _do(self, effect: GateEffect) -> None:
         try:
-            if isinstance(deed, Pass):
-                words = self._topics[deed.command.topic]
-                self._connector.publish(words.topic, words.type, deed.command.data)
-            elif isinstance(deed, ControlChange | Halt):
+            if isinstance(effect, Pass):
+                words = self._topics[effect.command.topic]
+                self._connector.publish(words.topic, words.type, effect.command.data)
+            elif isinstance(effect, ControlChange | Halt):
                 for topic, error in self._publish_stops():
                     log.error("the stop of %s was not published", topic, exc_info=error)
-                if self._memory is not None and isinstance(deed, ControlChange):
-                    self._memory.note(deed.holder)
-            elif isinstance(deed, PublishStatus):
-                self._publish(deed.gate)
+                if self._memory is not None and isinstance(effect, ControlChange):
+                    self._memory.note(effect.holder)
+            elif isinstance(effect, PublishStatus):
+                self._publish(effect.gate)
             if self._observe is not None:
-                self._observe(deed)
+                self._observe(effect)
         except Exception:
-            log.exception("not done: %.200s", deed)
-        if isinstance(deed, ControlChange):
-            log.info("control goes from %s to %s: %s", deed.former, deed.holder, deed.why)
-        elif isinstance(deed, Refuse):
-            log.debug("refused: %s", deed)
+            log.exception("not done: %.200s", effect)
+        if isinstance(effect, ControlChange):
+            log.info("control goes from %s to %s: %s", effect.former, effect.holder, effect.why)
+        elif isinstance(effect, Refuse):
+            log.debug("refused: %s", effect)
 
     def _publish_stops(self) -> list[tuple[str, Exception]]:
         """Stop what each topic moves, whatever becomes of the others; returns the topics that failed, and why."""

@@ -17,8 +17,8 @@ from rai_missions.gate.state import (
     Alive,
     Answer,
     ControlChange,
-    Deed,
     Gate,
+    GateEffect,
     GateEvent,
     GateRules,
     Pass,
@@ -30,7 +30,7 @@ from rai_missions.runtime.lifecycle import Control
 
 __all__ = ("step",)
 
-Turn = tuple[Gate, tuple[Deed, ...]]
+Turn = tuple[Gate, tuple[GateEffect, ...]]
 
 
 def step(terms: GateRules, gate: Gate, happening: GateEvent) -> Turn:
@@ -78,7 +78,7 @@ def _request(gate: Gate, request: Request) -> Turn:
             gate = gate._replace(requests_refused=_counted(gate.requests_refused, request.by))
         gate = gate._replace(last_refusal=note)
         return gate, (Answer(gate.revision, request, why),)
-    changes: tuple[Deed, ...] = ()
+    changes: tuple[GateEffect, ...] = ()
     if request.to != gate.holder:
         control.acknowledge(request.to)
         gate, changes = _changed(gate, control, f"{request.by} asked for it")

@@ -18,8 +18,8 @@ __all__ = (
     "Alive",
     "Answer",
     "ControlChange",
-    "Deed",
     "Gate",
+    "GateEffect",
     "GateEvent",
     "GateRules",
     "Halt",
@@ -135,7 +135,7 @@ class PublishStatus(NamedTuple):
     gate: Gate
 
 
-Deed = ControlChange | Halt | Pass | Refuse | Answer | PublishStatus
+GateEffect = ControlChange | Halt | Pass | Refuse | Answer | PublishStatus
 
 
 # -- what is known -----------------------------------------------------------------------------------------------------

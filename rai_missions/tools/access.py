@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TypeVar
 from rai_missions.connectors.connector import Close, Connector, ConnectorMode, Data, Message, Reply
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import cut_repr
-from rai_missions.tools.allowlist import Allowlist, Deed
+from rai_missions.tools.allowlist import AccessKind, Allowlist
 from rai_missions.tools.latest import Latest
 
 __all__ = ("LONGEST_WAIT_S", "AllowedConnector", "Sample", "until")
@@ -95,9 +95,9 @@ class AllowedConnector:
         may = {name: found[name] for name in sorted(found) if self.allowed.allows(name, "read")}
         return may, len(found) - len(may)
 
-    def type_of(self, mode: ConnectorMode, name: str, given: str, ends: float, deed: Deed = "read") -> str:
+    def type_of(self, mode: ConnectorMode, name: str, given: str, ends: float, access: AccessKind = "read") -> str:
         """The type of a name: as it was given, else as it is listed once it is; empty if it is not in time."""
-        self.allowed.check(name, deed)
+        self.allowed.check(name, access)
         self._has(mode)
         patience = min(ends, time.monotonic() + LISTED_S)
         while not given and (found := self._connector.listed(mode).get(name)) is None:

@@ -14,9 +14,9 @@ from typing import Literal
 from rai_missions.errors import UsageError
 from rai_missions.redaction import cut_repr
 
-__all__ = ("Allowlist", "Deed")
+__all__ = ("AccessKind", "Allowlist")
 
-Deed = Literal["read", "write"]
+AccessKind = Literal["read", "write"]
 LONGEST_NAME = 255
 """Characters; the longest name of a topic that DDS carries."""
 NAME = re.compile(r"(?:/[A-Za-z0-9_][A-Za-z0-9_.-]*)+")
@@ -52,37 +52,37 @@ class Allowlist:
                 raise UsageError(f"'{word}': {cut_repr(odd, 80)} fits no name; each begins with a slash, as in {whole}")
             object.__setattr__(self, word, patterns)
 
-    def allows(self, name: str, deed: Deed) -> bool:
+    def allows(self, name: str, access: AccessKind) -> bool:
         """Whether a name may be read, or written."""
-        return not self.refusal(name, deed)
+        return not self.refusal(name, access)
 
-    def check(self, name: str, deed: Deed) -> None:
+    def check(self, name: str, access: AccessKind) -> None:
         """Raises `UsageError` with the refusal, if a name may not be read, or written."""
-        why = self.refusal(name, deed)
+        why = self.refusal(name, access)
         if why:
             raise UsageError(why)
 
-    def refusal(self, name: str, deed: Deed) -> str:
+    def refusal(self, name: str, access: AccessKind) -> str:
         """Why a name may not be read, or written, and what may; empty if it may."""
         if len(name) > LONGEST_NAME or not NAME.fullmatch(name):
             return (
                 f"refused: {cut_repr(name, 60)} is no whole name; one begins with a slash, such as '/tractor1/battery'"
             )
         if _matches(self.never, *_and_above(name)):
-            return f"refused: '{name}' must never be touched; {self._words(deed)}"
-        if _matches(self.write, name) or (deed == "read" and _matches(self.read, name)):
+            return f"refused: '{name}' must never be touched; {self._words(access)}"
+        if _matches(self.write, name) or (access == "read" and _matches(self.read, name)):
             return ""
-        return f"refused: '{name}' may not be {_done(deed)}; {self._words(deed)}"
+        return f"refused: '{name}' may not be {_done(access)}; {self._words(access)}"
 
-    def _words(self, deed: Deed) -> str:
-        patterns = self.write if deed == "write" else tuple(dict.fromkeys((*self.read, *self.write)))
+    def _words(self, access: AccessKind) -> str:
+        patterns = self.write if access == "write" else tuple(dict.fromkeys((*self.read, *self.write)))
         more = ", …" if len(patterns) > SHOWN else ""
         but = f", but never {', '.join(self.never[:SHOWN])}" if self.never and patterns else ""
-        return f"what may be {_done(deed)}: {', '.join(patterns[:SHOWN]) or 'nothing'}{more}{but}"
+        return f"what may be {_done(access)}: {', '.join(patterns[:SHOWN]) or 'nothing'}{more}{but}"
 
 
-def _done(deed: Deed) -> str:
-    return "written" if deed == "write" else "read"
+def _done(access: AccessKind) -> str:
+    return "written" if access == "write" else "read"
 
 
 def _matches(patterns: tuple[str, ...], *names: str) -> bool:

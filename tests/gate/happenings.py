@@ -14,8 +14,8 @@ from rai_missions.gate.state import (
     COMMANDERS,
     ActuatorCommand,
     Alive,
-    Deed,
     Gate,
+    GateEffect,
     GateEvent,
     GateRules,
     Request,
@@ -68,7 +68,7 @@ class GateMoment(NamedTuple):
     before: Gate
     happened: GateEvent
     after: Gate
-    done: tuple[Deed, ...]
+    done: tuple[GateEffect, ...]
 
 
 def live(given: GateRules, happened: Sequence[GateEvent]) -> list[GateMoment]:

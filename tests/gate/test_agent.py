@@ -16,7 +16,7 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import ConnectorError
 from rai_missions.gate import GateAgent, GateWords, gate_words
 from rai_missions.gate.gate import EMPTY, STRING, TRIGGER
-from rai_missions.gate.state import ControlChange, Deed, Pass, Refuse
+from rai_missions.gate.state import ControlChange, GateEffect, Pass, Refuse
 from rai_missions.runtime.clock import WallClock
 from rai_missions.testing import Inbox, check_agent
 from tests.rigs.runs import ManualClock
@@ -31,7 +31,7 @@ class Rig:
         self.clock = ManualClock()
         self.connector = connector(now=self.clock.now)
         self.connector.start()
-        self.deeds: list[Deed] = []
+        self.effects: list[GateEffect] = []
         self.base: list[float] = []
         """What arrives at the actuators: how fast they shall go."""
         self.status: list[dict[str, Any]] = []
@@ -39,7 +39,7 @@ class Rig:
         self.connector.subscribe("/cmd_vel", TWIST, lambda received: self.base.append(speed(received.data)))
         self.connector.subscribe("/gate/status", STRING, self._receive)
         self.connector.subscribe("/gate/holder", STRING, lambda received: self.holders.append(received.data["data"]))
-        self.agent = GateAgent(words or GateWords(), self.connector, clock=self.clock, observe=self.deeds.append)
+        self.agent = GateAgent(words or GateWords(), self.connector, clock=self.clock, observe=self.effects.append)
         self.agent.open()
 
     def _receive(self, received: Message) -> None:
@@ -155,7 +155,7 @@ def test_what_a_listener_of_the_actuators_does_comes_after_what_it_listens_to(ri
     rig.connector.subscribe("/cmd_vel", TWIST, grasp)
     rig.command("autonomy", 1.0)
     assert rig.base == [0.0, 1.0, 0.0, 2.0]
-    assert [type(each) for each in rig.deeds if isinstance(each, Pass | Refuse)] == [Pass, Pass, Refuse]
+    assert [type(each) for each in rig.effects if isinstance(each, Pass | Refuse)] == [Pass, Pass, Refuse]
 
 
 def test_several_topics_are_guarded_alike_and_stopped_as_each_is() -> None:
@@ -198,7 +198,7 @@ def test_a_stop_that_fails_holds_up_neither_the_others_nor_the_handover(caplog: 
     rig.connector.down = frozenset({"/cmd_vel"})  # type: ignore[attr-defined]
     assert rig.ask("agent", "agent").data["success"]
     assert lines == ["hold"] and rig.holders[-1] == "agent"
-    assert any(isinstance(deed, ControlChange) for deed in rig.deeds)
+    assert any(isinstance(effect, ControlChange) for effect in rig.effects)
     assert "the stop of /cmd_vel was not published" in caplog.text
     rig.agent.close()
     assert lines == ["hold", "hold"]
@@ -274,7 +274,7 @@ def test_from_many_threads_nothing_is_lost_and_nothing_of_a_former_holder_comes_
     for thread in threads:
         thread.join()
     gate = rig.agent.gate
-    verdicts = [each for each in rig.deeds if isinstance(each, Pass | Refuse)]
+    verdicts = [each for each in rig.effects if isinstance(each, Pass | Refuse)]
     assert len(verdicts) == 2 * rounds == sum(gate.passed.values()) + sum(gate.refused.values())
     stretches = [arrived for arrived, before in zip(rig.base, [0.0, *rig.base], strict=False) if arrived != before]
     assert all(0.0 in pair for pair in itertools.pairwise(stretches)), "a stop between any two holders"

@@ -18,8 +18,8 @@ from rai_missions.gate.state import (
     Alive,
     Answer,
     ControlChange,
-    Deed,
     Gate,
+    GateEffect,
     GateEvent,
     GateRules,
     Pass,
@@ -35,8 +35,8 @@ from tests.gate.happenings import happenings, live, terms
 AGENT_ALONE = GateRules(leases={"agent": 0.5})
 
 
-def deeds(terms_: GateRules, happened: Sequence[GateEvent]) -> list[Deed]:
-    return [deed for moment in live(terms_, happened) for deed in moment.done]
+def effects(terms_: GateRules, happened: Sequence[GateEvent]) -> list[GateEffect]:
+    return [effect for moment in live(terms_, happened) for effect in moment.done]
 
 
 @given(terms, happenings)
@@ -44,13 +44,13 @@ def test_control_goes_from_one_holder_to_another_without_gap_or_overlap(
     given_: GateRules, happened: Sequence[GateEvent]
 ) -> None:
     holder, revision = given_.safe, 0
-    for deed in deeds(given_, happened):
-        if isinstance(deed, ControlChange):
-            assert deed.former == holder != deed.holder and deed.holder in HOLDERS
-            assert deed.revision == revision + 1
-            holder, revision = deed.holder, deed.revision
-        elif not isinstance(deed, PublishStatus):
-            assert deed.revision == revision, "what is done under a grant carries its number"
+    for effect in effects(given_, happened):
+        if isinstance(effect, ControlChange):
+            assert effect.former == holder != effect.holder and effect.holder in HOLDERS
+            assert effect.revision == revision + 1
+            holder, revision = effect.holder, effect.revision
+        elif not isinstance(effect, PublishStatus):
+            assert effect.revision == revision, "what is done under a grant carries its number"
 
 
 @given(terms, happenings)
@@ -59,11 +59,11 @@ def test_only_the_holder_s_commands_go_through_and_none_made_before_its_grant(
 ) -> None:
     holder, since = given_.safe, 0.0
     for moment in live(given_, happened):
-        for deed in moment.done:
-            if isinstance(deed, ControlChange):
-                holder, since = deed.holder, moment.after.at
-            if isinstance(deed, Pass):
-                assert deed.command.who == holder and deed.command.made >= since
+        for effect in moment.done:
+            if isinstance(effect, ControlChange):
+                holder, since = effect.holder, moment.after.at
+            if isinstance(effect, Pass):
+                assert effect.command.who == holder and effect.command.made >= since
 
 
 @given(terms, happenings)
@@ -144,13 +144,13 @@ def test_every_change_and_every_answer_is_reported_and_the_status_is_never_older
 def test_reporting_the_time_more_often_changes_no_verdict(given_: GateRules, happened: Sequence[GateEvent]) -> None:
     ticked = [each for one in happened for each in (TimeUpdate(one.at), one, TimeUpdate(one.at))]
     plain, often = (
-        [each for each in deeds(given_, all_) if not isinstance(each, PublishStatus)] for all_ in (happened, ticked)
+        [each for each in effects(given_, all_) if not isinstance(each, PublishStatus)] for all_ in (happened, ticked)
     )
     assert plain == often
 
 
 def test_a_silent_holder_loses_control_and_its_next_command_is_refused() -> None:
-    done = deeds(
+    done = effects(
         AGENT_ALONE,
         [
             Request(1.0, "agent", "agent"),
@@ -166,7 +166,7 @@ def test_a_silent_holder_loses_control_and_its_next_command_is_refused() -> None
         ControlChange,
     ]
     late = [Request(1.0, "agent", "agent"), ActuatorCommand(1.5, "agent", "/c", {})]
-    *_, change, refusal, _ = deeds(AGENT_ALONE, late)
+    *_, change, refusal, _ = effects(AGENT_ALONE, late)
     assert isinstance(change, ControlChange) and change.why == "agent was silent for 0.5 s"
     assert isinstance(refusal, Refuse) and refusal.why == "autonomy holds control"
 
@@ -187,13 +187,13 @@ def test_an_operator_who_fell_silent_leaves_no_one_and_only_the_operator_lifts_i
     given_ = GateRules(leases={"operator": 1.0}, safe=safe)
     happened = [Request(0.0, "operator", "operator"), Request(0.5, "agent", "agent"), Request(2.0, "agent", "agent")]
     happened.append(Request(3.0, "agent", "operator"))
-    answers = [each.why for each in deeds(given_, happened) if isinstance(each, Answer)]
+    answers = [each.why for each in effects(given_, happened) if isinstance(each, Answer)]
     lifts = "control is with 'nobody' since the stop; only the operator can lift it"
     assert answers == ["", "the operator has control and has not given it back", lifts, ""]
 
 
 def test_a_command_made_before_the_grant_is_refused_though_its_maker_holds_control() -> None:
-    *_, refusal = deeds(AGENT_ALONE, [Request(1.0, "agent", "agent"), ActuatorCommand(1.1, "agent", "/c", {}, 0.8)])
+    *_, refusal = effects(AGENT_ALONE, [Request(1.0, "agent", "agent"), ActuatorCommand(1.1, "agent", "/c", {}, 0.8)])
     assert isinstance(refusal, Refuse)
     assert refusal.why == "it was made 0.2 s before control was handed over, or by another clock"
 
