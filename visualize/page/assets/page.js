@@ -130,7 +130,7 @@ class Page {
 
   lit(lens) {
     if (lens && !this.before) this.before = this.chart.viewpoint;
-    if (lens && this.model.states.size <= OPEN_AT_FIRST[0]) this.chart.reveal(lens.states);
+    if (lens && this.model.states.size <= OPEN_AT_FIRST[0]) this.chart.reveal([...lens.states]);
     this.chart.show({ lens });
     this.look(lens);
     this.write({ lens: this.lenses ? this.lenses.on : "" });
