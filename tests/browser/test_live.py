@@ -22,6 +22,8 @@ from rai_missions.profile import Robot
 from rai_missions.runtime.runner import Result
 from tests.browser.conftest import PATIENCE, Look, until
 from tests.browser.test_review import poisoned
+from tests.engine.test_goals import mission as stacking
+from tests.strategies import SIGHTS
 from tests.visualize.live.conftest import Desk
 from tests.visualize.live.stage import Run
 from tests.visualize.page.reading import HOSTILE, answered, journal_of
@@ -72,6 +74,23 @@ def test_values_have_ages_that_count_and_grow_stale(run: Run, look: Look) -> Non
     run.send("tick", "tick", after_s=20.0)
     until(window, "document.querySelector('[data-key=battery]').className === 'stale'")
     assert "stale" in window.inner_text("[data-key=battery]")
+
+
+def test_a_named_thing_that_is_opened_stays_open_and_keeps_the_keyboard_as_values_come(look: Look) -> None:
+    pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
+    with Run(stacking()) as run:
+        run.write("objects", SIGHTS[0])
+        run.start()
+        window = look(run.page)
+        first = window.locator("[data-key=objects] summary").first
+        first.focus()
+        window.keyboard.press("Enter")
+        known = "document.querySelector('[data-key=objects] [open]').innerText"
+        now = [{**each, "looks": 99} for each in SIGHTS[0]["things"]]
+        assert "looks 99" not in window.evaluate(known)
+        run.write("objects", {**SIGHTS[0], "things": now})
+        until(window, f"{known}.includes('looks 99')")
+        assert window.evaluate("document.activeElement.tagName") == "SUMMARY"
 
 
 CUT = """() => {

@@ -252,6 +252,20 @@ def test_what_a_check_found_and_what_is_wrong_with_a_journal_is_on_the_page(tmp_
     assert "altered after the run" in window.evaluate("review.data.runs[0].faults.join()")
 
 
+def test_named_things_are_a_line_each_and_open_by_a_key(opened: Open) -> None:
+    chart = Chart(stacking())
+    steps = [chart.start(0.0), chart.write("objects", SIGHTS[0], 1.0)]
+    window = opened(review(chart.mission, runs=[run_of_steps(steps)]), "#run=0&step=1")
+    things = SIGHTS[0]["things"]
+    lines = window.locator("[data-key=objects] ul.named summary")
+    assert lines.locator("b").all_inner_texts() == [each["name"] for each in things]
+    assert max(line.bounding_box()["height"] for line in lines.all()) < 24
+    lines.first.focus()
+    window.keyboard.press("Enter")
+    known = window.inner_text("[data-key=objects] ul.named [open]")
+    assert all(field in known for field in {*things[0]} - {"name"})
+
+
 def test_a_plan_is_a_list_of_its_moves_with_what_each_assumes(opened: Open) -> None:
     chart = Chart(stacking())
     steps = [chart.start(0.0), chart.write("objects", SIGHTS[0], 1.0)]

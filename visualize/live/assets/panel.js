@@ -21,8 +21,8 @@ class Board {
       const entry = board[name];
       if (cells.entry === entry) continue;
       cells.entry = entry;
-      cells.value.replaceChildren(
-        ...[entry ? valueView(entry[0]) : "unknown"].map((each) => (each instanceof Node ? each : shown(each))));
+      const view = entry ? valueView(entry[0]) : "unknown";
+      replaceView(cells.value, view instanceof Node ? view : shown(view));
     }
   }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A plan among the values: its moves as a list, each with what it assumes; any other value as its text.
+// A plan among the values: its moves as a list, each with what it assumes. A list of named things: each in a line, what
+// is known of it folded into that. Any other value as its text.
 
-const MOST_MOVES = 60;
+const MOST_MOVES = 60, MOST_NAMED = 60;
 
 /** The moves of a plan; null for a value that is none. */
 function movesOf(value) {
@@ -26,9 +27,26 @@ function valueWords(value) {
   return moves.slice(0, MOST_MOVES).map((move, index) => `${index + 1}. ${moveWords(move)}`).join("; ");
 }
 
+/** The fields of a value that are lists of named things. */
+function namedIn(value) {
+  if (value === null || typeof value !== "object" || Array.isArray(value)) return [];
+  return Object.keys(value).filter((field) => Array.isArray(value[field]) && value[field].length
+    && value[field].every((each) => each !== null && typeof each === "object" && typeof each.name === "string"));
+}
+
+/** A value that has lists of named things: these, and the rest as text. */
+function namedView(value, fields) {
+  const rest = Object.fromEntries(Object.entries(value).filter(([field]) => !fields.includes(field)));
+  return make("div", {}, valueText(rest), fields.map((field) => make("ul", { class: "named", "aria-label": field },
+    value[field].slice(0, MOST_NAMED).map(({ name, ...known }) => make("li", {}, make("details", {},
+      make("summary", {}, make("b", {}, name), make("span", {}, ` ${valueText(known)}`)), valueText(known)))),
+    value[field].length > MOST_NAMED ? make("li", {}, `and ${value[field].length - MOST_NAMED} more`) : "")));
+}
+
 /** A value as an element, or as text. */
 function valueView(value) {
-  const moves = movesOf(value);
+  const moves = movesOf(value), named = namedIn(value);
+  if (named.length) return namedView(value, named);
   if (!moves || !moves.length) return valueWords(value);
   return make("ol", { class: "plan" },
     moves.slice(0, MOST_MOVES)
@@ -37,4 +55,16 @@ function valueView(value) {
       ? make("ul", { class: "assumes", "aria-label": "assumes" },
         move.assumes.map((each) => make("li", {}, valueText(each)))) : "")),
   moves.length > MOST_MOVES ? make("li", {}, `and ${moves.length - MOST_MOVES} more`) : "");
+}
+
+/** Puts a view in the place of another: what was opened there, and what has the keyboard, stays so. */
+function replaceView(cell, view) {
+  const named = (selector) => [...cell.querySelectorAll(`${selector} b`)].map((each) => each.textContent);
+  const open = named("[open] summary"), focused = named("summary:focus");
+  cell.replaceChildren(view);
+  for (const summary of cell.querySelectorAll("summary")) {
+    const [name] = [...summary.querySelectorAll("b")].map((each) => each.textContent);
+    summary.parentNode.open = open.includes(name);
+    if (focused.includes(name)) summary.focus({ preventScroll: true });
+  }
 }
