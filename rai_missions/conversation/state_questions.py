@@ -65,7 +65,10 @@ class StateQuestions:
             return self._thing(name, thing, view) if is_named else None
         if "key" not in slots:
             return Sense("question", name)
-        named, done = slots["key"].split(), slots.get("done", "").split()
+        named, done, of = (slots.get(slot, "").split() for slot in ("key", "done", "of"))
+        if of:  # `how humid is the air`: one key has both in its name or its `about`
+            path = key_named([*named, *of], view, self._language)
+            return Sense("question", name, key=path) if path else None
         path = self._key_done(named, done, view) if done else ""
         path = path or key_named(named, view, self._language, strict=len(named) == len(words))
         return Sense("question", name, key=path) if path else None

@@ -246,3 +246,20 @@ def test_a_question_in_another_or_with_a_tag_is_that_question_and_nothing_else_i
     }
     assert {form: senses for form, senses in asked.items() if senses != (Sense("question", "where"),)} == {}
     assert {form: senses for form, senses in none.items() if any(each.kind == "order" for each in senses)} == {}
+
+
+@pytest.mark.parametrize(
+    ("code", "about", "question", "other"),
+    [
+        ("en", "how humid the air is", "how humid is the air?", "how humid is the cellar?"),
+        ("en", "how wet the soil is, and how warm", "how warm is the soil", "how cold is the soil's owner"),
+        ("de", "wie feucht die Luft ist", "wie feucht ist die Luft?", "wie feucht ist der Keller?"),
+    ],
+)
+def test_a_key_is_asked_for_by_two_words_of_its_about_and_by_one_of_them_it_is_not(
+    code: str, about: str, question: str, other: str
+) -> None:
+    view = VIEW._replace(keys={"measured": KeyView("measured", "number", "robot", about=about)})
+    grammar = Grammar(language(code))
+    assert grammar.senses(question, view)[0].key == "measured"
+    assert all(each.key != "measured" for each in grammar.senses(other, view))
