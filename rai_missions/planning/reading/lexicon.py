@@ -70,8 +70,11 @@ class Vocabulary(LanguageTexts):
         return word in self.words or word in self.number_words or word == self.data["point"]
 
     def mended(self, word: str) -> str:
-        """The one known word that a slip of the keyboard turned into this one; the word itself where there is none."""
-        if self.knows(word):
+        """The one known word that a slip of the keyboard turned into this one; the word itself where there is none.
+
+        A word of another language is no slip: `like` is not `linke`.
+        """
+        if self.knows(word) or any(lexicon(code).knows(word) for code in lexicons()):
             return word
         near = {known for letter in {*word[:2]} for known in self._by_letter.get(letter, ()) if is_slip(word, known)}
         return near.pop() if len(near) == 1 else word
@@ -94,6 +97,7 @@ def _nouns(types: frozenset[str], forms: Mapping[str, Sequence[str]]) -> Iterato
         yield from ((phrase, WordSense("noun", Noun(types, is_many))) for phrase in forms.get(form, ()))
 
 
+@cache
 def lexicons() -> tuple[str, ...]:
     """The languages that there are, by their codes."""
     return language_codes(FOLDER)

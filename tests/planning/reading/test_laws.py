@@ -112,6 +112,13 @@ def test_a_thing_that_no_word_means_is_not_said(words: list[str], name: str | No
     assert "red_cube" in unsaid(goal({"on": ["red_cube", "desk"]}), " ".join(words), scene)
 
 
+@pytest.mark.parametrize("name", ["full", "cubes", None])
+def test_no_other_word_alone_means_a_thing_as_a_slip_of_another_language(name: str | None) -> None:
+    scene, on_desk = SCENES[name] if name is not None else None, goal({"on": ["red_cube", "desk"]})
+    others = sorted({*WORDS} - MEANS_A_CUBE)
+    assert [word for word in others if "red_cube" not in unsaid(on_desk, word, scene)] == []
+
+
 def test_time_grows_with_the_length_at_most() -> None:
     scene, spent = SCENES["full"], []
     for count in (4, 32):
