@@ -20,7 +20,7 @@ NOTHING: Mapping[str, str] = {}
 
 
 class AgentHealth(NamedTuple):
-    """How an agent fares."""
+    """The state of an agent, as its runner publishes it on `/diagnostics`."""
 
     state: Literal["ready", "running", "ended", "died", "stopped", "hangs"]
     """`ready` to be run; `ended` by itself, its work done; `died`; `stopped`; `hangs`: it does not do as it was asked.
@@ -38,7 +38,7 @@ class AgentHealth(NamedTuple):
 
 @runtime_checkable
 class Agent(Protocol):
-    """The paper's Agent: it lives between `run` and `stop`, whatever happens around it."""
+    """The paper's Agent: what works from `run` to `stop`, next to other agents and independently of them."""
 
     def run(self) -> None:
         """Begin, and return; running already, nothing happens."""

@@ -41,6 +41,7 @@ class RunConfig:
     robot: Robot | PythonRobot | RobotProgram | str | Path | None = None
     """A profile or a robot in Python, or the file of one: `.json`, or `.py`, which is executed."""
     arguments: Mapping[str, Any] = field(default_factory=dict)
+    """Values for the mission's argument keys."""
     model: BaseChatModel | str | None = None
     """Who answers as `agent`: `provider:name` or `local`, asked in a process of its own, or a langchain chat model.
 
@@ -54,6 +55,7 @@ class RunConfig:
     answerers: Mapping[str, Answerer] = field(default_factory=dict)
     """Others who answer, by the name that `ask` calls them."""
     journal: str | Path | None = None
+    """Where the journal goes; left out, none is written."""
     record: str | Path | None = None
     """Where an MCAP file of the run goes; its journal is written next to it where `journal` names none.
 
@@ -62,6 +64,7 @@ class RunConfig:
     resume: str | Path | None = None
     """The journal of a run that was cut short, which continues there. Its arguments are in it."""
     named: Named | None = None
+    """The predicates that `{"named": …}` guards name."""
     programs: Mapping[str, str] = field(default_factory=dict)
     """Files in Python that a person named, as `guards` or `mission` → the SHA-256 of each: a resume demands the same.
     """
@@ -79,8 +82,11 @@ class RunConfig:
     opened: Connector | None = None
     """The profile's connector, where a node that it carries has opened it already."""
     clock: Clock | None = None
+    """The run's time; left out, a simulated world's, or else the wall's."""
     on_step: Callable[[Step], None] | None = None
+    """Receives each step, on the run's thread."""
     on_status: Callable[[Status], None] | None = None
+    """Receives each change of mode, control or active states, on the run's thread."""
 
     def __post_init__(self) -> None:
         """Hold what is given to its types.

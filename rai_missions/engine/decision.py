@@ -76,6 +76,7 @@ class Question(NamedTuple):
     attempt: int = 1
     """1 for the first time that this answerer is asked."""
     at: float = 0.0
+    """The instant at which it was asked, on the run's clock."""
     until: float = 0.0
     """The instant at which its time is over, on the run's clock."""
     refused: tuple[str, ...] = ()
@@ -159,7 +160,7 @@ class Answerer(Protocol):
         """Take a question; never waits.
 
         `answer` is called once, from any thread, with `{"option", "parameters", "why"}`, or `{"absent": why}`, or
-        `{"failed": why}`. Further tellings are stale. `usage` may come along:
+        `{"failed": why}`. A second call is stale, and changes nothing. `usage` may come along:
         `{"calls", "tokens_in", "tokens_out", "seconds", "model"}`; and `looked`, what was looked up before the answer:
         `[{"tool", "arguments", "said"}]`, each text.
         """

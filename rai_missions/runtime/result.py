@@ -23,11 +23,13 @@ class Result(NamedTuple):
     journal: str | None = None
     """The journal's file."""
     run: str = ""
+    """The run's identity."""
     state: tuple[str, ...] = ()
     """The states in which it ended."""
     decisions: int = 0
     """Questions that were asked; those to an answerer that was absent are not counted."""
     duration_s: float = 0.0
+    """On the run's clock."""
     open_goals: tuple[OpenGoal, ...] = ()
     """The goals of the run that may still be executing: the robot may still move."""
     moved_aside: str | None = None
