@@ -43,8 +43,12 @@ class CommandServer:
         """Why nothing is begun now; empty where it is."""
 
     def close(self, why: str) -> None:
-        """Begin nothing from now on, for this reason; with an empty one, begin again what is ordered."""
+        """Begin nothing from now on, for this reason."""
         self.closed = why
+
+    def open(self) -> None:
+        """Begin what is ordered from now on."""
+        self.closed = ""
 
     @property
     def live(self) -> RunSession | None:
@@ -105,17 +109,18 @@ class CommandServer:
                 return
         work()
 
+    def _refuses_start(self) -> str:
+        """Why no run may begin now; empty where one may."""
+        if (session := self.live) is not None:
+            return f"a mission is under way, {session.mode}; cancel it first"
+        return self.closed or (LOCKED if self.session is not None and self.session.is_locked else "")
+
     def _start(self, order: Command) -> CommandReply:
         with self._lock:
-            session = self.live
-            why = (
-                "this run is the node's only one; run it with --managed to start it again"
-                if self._begin is None
-                else f"a mission is under way, {session.mode}; cancel it first"
-                if session is not None
-                else self.closed or (LOCKED if self.session is not None and self.session.is_locked else "")
-            )
-            if why or self._begin is None:
+            if self._begin is None:
+                only = "this run is the node's only one; run it with --managed to start it again"
+                return CommandReply(False, only, order.id)
+            if why := self._refuses_start():
                 return CommandReply(False, why, order.id)
             try:
                 self.session = self._begin(order)

@@ -48,7 +48,7 @@ class LifecycleCallbacks:
 
     def activate(self, finish: Finish) -> None:
         """Take orders. Nothing moves by itself, but a mission that `deactivate` has paused continues."""
-        self._commands.close("")
+        self._commands.open()
         session = self._commands.live
         if self._is_to_resume and session is not None and session.mode == "paused":
             self._commands.ask(Command("resume", "operator (activate)", role="operator"))
