@@ -141,19 +141,15 @@ def _steps(loc: tuple[str | int, ...], data: Any) -> tuple[list[str | int], bool
 def model_at(model: type[Any], data: Any, steps: Iterable[str | int]) -> type[Any] | None:
     """The model as which a place, or what holds it, is read."""
     kind: Any = model
-    found: type[Any] | None = None
+    found: type[BaseModel] | None = None
     for step in (*steps, None):
         kind = _bare(kind)
         if isinstance(kind, type) and issubclass(kind, BaseModel):
-            choose = getattr(kind, "choose", None) if kind is not model else None
-            if choose is not None and isinstance(data, Mapping):
-                try:
-                    kind = kind.kind(choose(data))  # type: ignore[attr-defined]
-                except ValueError:
-                    return None
-            found = kind
-            field = next((each for name, each in kind.model_fields.items() if (each.alias or name) == step), None)
-            kind = field.annotation if field is not None else None
+            found = kind if kind is model else _chosen(kind, data)
+            if found is None:
+                return None
+            fields = found.model_fields.items()
+            kind = next((each.annotation for name, each in fields if (each.alias or name) == step), None)
         elif get_origin(kind) in (dict, tuple):
             arguments = get_args(kind)
             kind = arguments[1] if get_origin(kind) is dict else arguments[0]
@@ -161,6 +157,17 @@ def model_at(model: type[Any], data: Any, steps: Iterable[str | int]) -> type[An
             data = data[step]
         except (KeyError, IndexError, TypeError):
             break
+    return found
+
+
+def _chosen(kind: Any, data: Any) -> type[BaseModel] | None:
+    """The kind as which data is read, where a model has several; None where it is none of them."""
+    found: type[BaseModel] = kind
+    if hasattr(kind, "choose") and isinstance(data, Mapping):
+        try:
+            found = kind.kind(kind.choose(data))
+        except ValueError:
+            return None
     return found
 
 

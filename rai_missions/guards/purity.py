@@ -64,17 +64,18 @@ def _members(kind: type[Any], home: str) -> Iterator[Any]:
     """The functions of a class and of those of its package that it derives from."""
     for each in kind.__mro__:
         if each.__module__.partition(".")[0] == home:
-            for name, member in list(vars(each).items()):
-                if name in UNCALLED:
-                    continue
-                if isinstance(member, staticmethod | classmethod):
-                    yield member.__func__
-                elif isinstance(member, property):
-                    yield member.fget
-                elif isinstance(member, cached_property):
-                    yield member.func
-                elif isinstance(member, FunctionType):
-                    yield inspect.unwrap(member)
+            yield from (_function_in(member) for name, member in list(vars(each).items()) if name not in UNCALLED)
+
+
+def _function_in(member: Any) -> Any:
+    """The function that a member of a class evaluates; None for any other member."""
+    if isinstance(member, staticmethod | classmethod):
+        return member.__func__
+    if isinstance(member, property):
+        return member.fget
+    if isinstance(member, cached_property):
+        return member.func
+    return inspect.unwrap(member) if isinstance(member, FunctionType) else None
 
 
 def _uses(function: FunctionType) -> Iterator[tuple[str, str, Any]]:
