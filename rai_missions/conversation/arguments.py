@@ -7,6 +7,7 @@ Rule: a value that does not fit its key is a fault in words; nothing is guessed 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from itertools import dropwhile
 from typing import Any
 
 from rai_missions.conversation.language import Language, spoken
@@ -72,12 +73,17 @@ def _kind(key: KeyView, language: Language) -> str:
 
 
 def _amount(words: Sequence[str], key: KeyView, language: Language) -> int | float | None:
-    """The number that the words are, with or without a unit: `five minutes` are 300 for a key in seconds."""
-    value = number(words, language.data)
-    factors = language.data["unit_words"].get(language.unit_of(key.name), {})
+    """The number that the words are, with or without a unit: `five minutes` are 300 for a key in seconds.
+
+    A word that makes it less exact is left out, `about five`, and `a minute` is one.
+    """
+    data = language.data
+    words = list(dropwhile(frozenset(data["approximating"]).__contains__, words))
+    value = number(words, data)
+    factors = data["unit_words"].get(language.unit_of(key.name), {})
     if value is not None or len(words) < 2 or words[-1] not in factors:
         return value
-    value = number(words[:-1], language.data)
+    value = data["indefinite"].get(" ".join(words[:-1]), number(words[:-1], data))
     return None if value is None else _whole(value * factors[words[-1]])
 
 

@@ -101,6 +101,12 @@ class SentenceGrammar:
         found = list(self._phrases.senses(words, view.missions))
         return found[0] if len(found) == 1 and found[0].kind == "order" else None
 
+    def places_in(self, clauses: Sequence[Sequence[str]]) -> Iterator[list[str]]:
+        """The listed values that clauses name, the last first, each as it is called there."""
+        for words in reversed(clauses):
+            for at in range(len(words) - 1, -1, -1):
+                yield from (list(name) for name in self._phrases.names if tuple(words[at : at + len(name)]) == name)
+
     def knows(self, word: str) -> bool:
         """Whether a word is in a phrase of the language or of the robot."""
         return word in self._vocabulary

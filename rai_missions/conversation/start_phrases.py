@@ -18,6 +18,8 @@ from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.phrases import Phrases, example_of
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.view import KeyView, MissionView
+from rai_missions.conversation.word_slips import NEAREST as LEAST_MENDED
+from rai_missions.conversation.word_slips import nearest
 
 __all__ = ("SLOT", "Names", "StartPhrase", "StartPhrases", "arguments_of")
 
@@ -89,6 +91,8 @@ class StartPhrases:
         self._called = {name: language.written_out(spoken(name)) for choices in names.values() for name in choices}
         """Name of a value → its words, as a sentence has them."""
         named = (word for called in self._called.values() for word in called.split())
+        self.names = frozenset(tuple(called.split()) for called in self._called.values())
+        """The words of each listed value."""
         self.words = frozenset(named).union(*(each.phrases.words for each in self._each))
 
     def _compiled(self, given: StartPhrase) -> CompiledPhrase:
@@ -198,10 +202,15 @@ class StartPhrases:
         return self._names.get(argument, {})
 
     def _meant(self, words: Sequence[str], key: KeyView) -> list[Any]:
-        """The values of an argument that are called so; `livingroom` is one of two words."""
+        """The values of an argument that are called so, or but for a letter; `livingroom` is one of two words."""
         given = "".join(words)
-        called = ((value, {name.lower(), self._called[name]}) for name, value in self.choices(key.name).items())
-        return [value for value, names in called if given in {name.replace(" ", "") for name in names}]
+        called = {
+            each.replace(" ", ""): value
+            for name, value in self.choices(key.name).items()
+            for each in (name.lower(), self._called[name])
+        }
+        meant = nearest(given, called) if called and len(given) >= LEAST_MENDED else given
+        return [called[meant]] if meant in called else []
 
     def _given(self, words: Sequence[str], bare: Sequence[str], key: KeyView) -> Any:
         """The value of words with their article, where that is a number: `eine Minute`; else of those without it.

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from rai_missions.conversation.senses import STOP, Sense
+from rai_missions.conversation.senses import FAULT, STOP, Sense, is_fault
 from rai_missions.conversation.sentence_grammar import SentenceGrammar
 from rai_missions.conversation.state_answers import ALWAYS
 from rai_missions.conversation.view import StatusView
@@ -46,6 +46,9 @@ class Suggestions:
         self._addressing, self._no_order_after = frozenset(data["addressing"]), frozenset(data["no_order_after"])
         self._negations = frozenset(data["claims"]["negations"])
         self._requesting = frozenset(data["requesting"])
+        self._place_joints: Sequence[str] = data["place_joints"]
+        self._place_pronouns = sorted((each.split() for each in data["place_pronouns"]), key=len, reverse=True)
+        self._verbs = frozenset(self._language.parts["verb"].split("|"))
         self._asking = frozenset(data["asking"]) - self._requesting
 
     def suggested(self, text: str, view: StatusView) -> tuple[Sense, ...]:
@@ -68,6 +71,7 @@ class Suggestions:
             if any(sense.kind in REPLIES or sense == STOP for sense in senses):
                 return ()
             order = _order(senses) or self._resolved(words, clauses[:at], senses, view)
+            order = order or (self._placed(words, clauses[:at], view) if is_fault(senses or FAULT) else ())
             order = order or self._inside(words, view, is_addressed=is_addressed, is_question=is_question)
             if order:
                 orders[order[-1].identity] = (*order[:-1], order[-1]._replace(is_partial=True))
@@ -137,6 +141,21 @@ class Suggestions:
                     return order
         return ()
 
+    def _placed(self, words: list[str], before: Sequence[list[str]], view: StatusView) -> tuple[Sense, ...]:
+        """The order with the place that was named last for `here` or `there`: `I am in the kitchen, come here`."""
+        for at, size in self._place_pronouns_in(words):
+            for place in self._grammar.places_in(before):
+                for joint in self._place_joints:
+                    order = _order(self._grammar.senses([*words[:at], joint, *place, *words[at + size :]], view))
+                    if order and len(order[-1].named) == 1:
+                        return order
+        return ()
+
+    def _place_pronouns_in(self, words: Sequence[str]) -> Iterator[tuple[int, int]]:
+        """Where what is in place of a place begins, with how many words it has, the longest first."""
+        for each in self._place_pronouns:
+            yield from ((at, len(each)) for at in range(1, len(words)) if words[at : at + len(each)] == each)
+
     def _inside(
         self, words: list[str], view: StatusView, *, is_addressed: bool, is_question: bool
     ) -> tuple[Sense, ...]:
@@ -154,12 +173,22 @@ class Suggestions:
         before = [at and words[at - 1] for at, word in enumerate(words) if word not in self._fillers]
         words, found, at = self._language.normaliser.spoken(words), dict[str, Sense](), 0
         while at < len(words):
-            may_begin = at == 0 or (is_addressed and before[at] not in self._no_order_after)
+            is_free = at > 0 and before[at] not in self._no_order_after
+            may_begin = at == 0 or (is_free and (is_addressed or bool(self._verbs & set(words[:at]))))
             sense, size = self._longest(words[at:], view) if may_begin else (None, 0)
+            if sense is None and is_free:
+                sense, size = self._about_earlier(words, at, view)
             if sense is not None:
                 found[sense.identity] = sense
             at += size or 1
         return tuple(found.values()) if len(found) == 1 else ()
+
+    def _about_earlier(self, words: list[str], at: int, view: StatusView) -> tuple[Sense | None, int]:
+        """The start at the end of a clause with a pronoun for what the clause has named: `my cup is gone find it`."""
+        rest, before = words[at:], [words[:at]]
+        is_thing = words[-1] in self._pronouns and self._grammar.begins_a_start(rest)
+        order = self._resolved(rest, before, (), view) if is_thing else self._placed(rest, before, view)
+        return (order[-1], len(rest)) if order else (None, 0)
 
     def _longest(self, words: list[str], view: StatusView) -> tuple[Sense | None, int]:
         """The longest start that the words begin with, and how many words it has; None and 0 where there is none."""

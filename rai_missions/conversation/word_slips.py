@@ -7,7 +7,7 @@ from collections.abc import Collection
 
 from rai_missions.planning.text.normalise import is_near, is_slip
 
-__all__ = ("nearest",)
+__all__ = ("NEAREST", "nearest")
 
 NEAREST = 5
 """Letters of the shortest word in which any letter may be wrong."""

@@ -19,6 +19,7 @@ from rai_missions.conversation import (
 )
 from rai_missions.conversation.language import language, languages
 from rai_missions.conversation.start_phrases import StartPhrase
+from rai_missions.conversation.word_slips import NEAREST as LEAST_MENDED
 from tests.conversation.stored import ARGUMENTS, ASSISTING, read_back, settings_in
 
 WAIT_S = KeyView("wait_s", "integer", "argument", minimum=1, maximum=3600)
@@ -219,3 +220,62 @@ def test_an_infinitive_at_the_end_is_an_order_where_the_language_has_such(code: 
     text = {"en": "to the kitchen going", "de": "Bitte in die Küche fahren."}[code]
     found = read_back(replies(text, code))
     assert bool(found) == language(code).data["infinitive_orders"]
+
+
+PLACED = {
+    "en": ("come here", "please come over here", "can you come to me", "join us there"),
+    "de": ("komm her", "komm bitte hierher", "kannst du dahin fahren"),
+}
+NAMING = {
+    "en": ("we are all in the kitchen", "I cook in the kitchen today"),
+    "de": ("wir sind alle in der Küche", "heute koche ich in der Küche"),
+}
+NAMELESS = {"en": ("we are all here", "I cook today"), "de": ("wir sind alle hier", "heute koche ich")}
+UNSEEN = {"en": ("my ball is gone", "I lost my ball"), "de": ("mein ball ist weg", "ich habe meinen ball verloren")}
+FOUND = {"en": ("find it", "look for it"), "de": ("suche ihn", "finde ihn")}
+
+
+def found(text: str, code: str) -> list[dict[str, str] | None]:
+    """The arguments of what is read back; None for what is given out."""
+    return read_back(replies(text, code))
+
+
+@pytest.mark.parametrize("code", languages())
+def test_here_is_the_place_that_was_named_and_nothing_without_one(code: str) -> None:
+    for order in PLACED[code]:
+        kitchen = [found(f"{naming}{joint}{order}", code) for naming in NAMING[code] for joint in (", ", ". ")]
+        assert kitchen == [[{"task": "go", "place": "kitchen"}]] * len(kitchen), order
+        assert not any(found(f"{each}, {order}", code) for each in NAMELESS[code]), order
+
+
+@pytest.mark.parametrize("code", languages())
+def test_a_pronoun_at_the_end_is_what_its_clause_has_named(code: str) -> None:
+    for statement, order in product(UNSEEN[code], FOUND[code]):
+        (arguments,) = found(f"{statement} {order}", code)
+        assert arguments is not None and "ball" in arguments["object"], (statement, order)
+
+
+@pytest.mark.parametrize("code", languages())
+def test_a_start_behind_a_statement_is_read_back_and_a_plural_subject_orders_nothing(code: str) -> None:
+    statement, order = {
+        "en": ("the kids are asleep", "go to the kitchen"),
+        "de": ("der tisch ist gedeckt", "fahre in die küche"),
+    }[code]
+    assert found(f"{statement} {order}", code) == [{"task": "go", "place": "kitchen"}]
+    assert not found({"en": "my kids go to the kitchen", "de": "wir fahren in die küche"}[code], code)
+
+
+@pytest.mark.parametrize("code", languages())
+def test_a_word_that_makes_a_number_less_exact_changes_no_value(code: str) -> None:
+    wait = {"en": "wait {} ten seconds", "de": "warte {} zehn sekunden"}[code]
+    for word in ("", *language(code).data["approximating"]):
+        assert found(wait.format(word), code) == [{"task": "wait", "wait_s": 10}], word
+
+
+@pytest.mark.parametrize("code", languages())
+def test_a_listed_value_that_lacks_a_letter_is_that_value(code: str) -> None:
+    go = {"en": "go to the {}", "de": "fahre in die {}"}[code]
+    for name, value in PLACES[code].items():
+        for at in range(1, len(name)) if len(name) > LEAST_MENDED else ():
+            slip = name[:at] + name[at + 1 :]
+            assert found(go.format(slip), code) == [{"task": "go", "place": value}] or slip == name, slip
