@@ -232,8 +232,9 @@ class Abstraction:
 
     @property
     def pursued(self) -> list[Goal]:
-        """The goals whose end a state waits for."""
-        return [goal for goal in self._chart.state.goals.values() if goal.phase in PURSUED]
+        """The goals whose end a state waits for, in the order in which states are compared."""
+        goals = [goal for goal in self._chart.state.goals.values() if goal.phase in PURSUED]
+        return sorted(goals, key=lambda goal: (goal.owner, goal.action, goal.phase))
 
     @property
     def remaining(self) -> list[Goal]:
@@ -241,7 +242,7 @@ class Abstraction:
         goals = [goal for goal in self._chart.state.goals.values() if goal.phase not in PURSUED]
         rivals = self.rivals
         alike = {rest: goal for goal in reversed(goals) if (rest := rivals(goal)) is not None}
-        return list(alike.values())
+        return [alike[rest] for rest in sorted(alike)]
 
     @property
     def later(self) -> Later:

@@ -129,7 +129,7 @@ class InputEnvironment:
 
     def of_calls(self) -> Iterator[Stimulus]:
         """The same of calls whose reply no state waits for: a failure is an event."""
-        for number, service in self._chart.state.calls.items():
+        for service, number in sorted((service, number) for number, service in self._chart.state.calls.items()):
             yield from (each._replace(event="call_failed") for each in self._call(number, service))
 
     def _call(self, number: int, owner: str) -> Iterator[Stimulus]:

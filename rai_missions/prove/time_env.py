@@ -17,6 +17,7 @@ from rai_missions.engine.hold import is_held, live
 from rai_missions.engine.state import RunState
 from rai_missions.engine.timing import pass_instant
 from rai_missions.prove.abstraction import PURSUED, Abstraction
+from rai_missions.prove.activity_key import timer_key
 from rai_missions.prove.branches import firsts, parted, passed
 from rai_missions.prove.input_env import InputEnvironment, owned
 from rai_missions.prove.instruments import Instruments
@@ -146,7 +147,7 @@ class TimeEnvironment:
 
     def times(self) -> Iterator[Stimulus]:
         """Each thing that waits for time gets it, in any order."""
-        for key, timer in sorted(self._state.timers.items(), key=lambda each: str(each[0])):
+        for key, timer in sorted(self._state.timers.items(), key=lambda each: timer_key(*each)):
             if self._comes_later(key) or timer.control in self._state.frozen:
                 continue
             kind, which = key

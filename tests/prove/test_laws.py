@@ -12,6 +12,7 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
+from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.environment import Environment
 from tests.prove.explored import WORK, Forgetless, RecordingSpace, explored, facts, scripts, walked
@@ -168,10 +169,46 @@ def test_guards_that_are_held_come_in_one_order_whichever_was_true_first() -> No
     }, 30 * MOST, work=math.inf)  # fmt: skip
 
 
-def hold_against_patient(document: Json, most: int, work: float = WORK) -> None:
+FAILED = ["failed", "rejected", "timed_out", "unverified"]
+GOALS: Json = {
+    "la": {"action": "lift", "timeout_s": 5, "transitions": [
+        {"on": "l", "to": "lb", "do": [{"set": "armed", "value": True}]},
+        {"on": "succeeded", "when": {"key": "armed", "==": True}, "to": "lend"},
+        {"on": ["succeeded", *FAILED], "to": "lb"}]},
+    "lb": {"transitions": [{"on": "l", "to": "la"}]}, "lend": {"final": "succeeded"},
+}  # fmt: skip
+LOOKING: Json = {
+    "ra": {"action": "look", "timeout_s": 5, "transitions": [{"on": ["r", "succeeded", *FAILED], "to": "rb"}]},
+    "rb": {"transitions": [{"on": "r", "to": "ra"}]},
+}  # fmt: skip
+CALLS: list[Json] = [
+    {"on": "l", "do": [{"call": "horn"}]}, {"on": "r", "do": [{"call": "bell"}, {"set": "armed", "value": True}]},
+    {"on": "call_failed", "when": {"all": [{"key": "event.name", "==": "horn"}, {"key": "armed", "==": True}]},
+     "to": "over"},
+    {"on": "call_failed", "do": [{"set": "armed", "value": False}]},
+]  # fmt: skip
+BEGUN: dict[str, Json] = {
+    "goals": {"parallel": {"left": {"initial": "la", "states": GOALS}, "right": {"initial": "ra", "states": LOOKING}},
+              "transitions": [{"on": "succeeded", "to": "over"}]},
+    "calls": {"transitions": CALLS},
+}  # fmt: skip
+"""What is begun in either order → the state that begins it."""
+
+
+@pytest.mark.parametrize("what", BEGUN)
+def test_what_was_begun_comes_in_one_order_whichever_began_first(what: str) -> None:
+    apart = RobotFacts(uses={"lift": frozenset(["arm"]), "look": frozenset(["camera"])})
+    hold_against_patient({
+        "name": "begun_in_turn", "initial": "work", "events": {"l": {}, "r": {}, "stop": {}},
+        "blackboard": {"armed": {"type": "boolean", "initial": False}},
+        "states": {"work": BEGUN[what], "over": {"final": "aborted"}}, "transitions": [{"on": "stop", "to": "over"}],
+    }, 30 * MOST, work=math.inf, terms=apart)  # fmt: skip
+
+
+def hold_against_patient(document: Json, most: int, work: float = WORK, terms: RobotFacts | None = None) -> None:
     """Whatever the mission's own keys are: each step is made, none is taken from a state that differs in them alone."""
     mission = Mission.model_validate(document)
-    quick, patient = (RecordingSpace(Environment(mission), most, work, by_parts=False) for _ in range(2))
+    quick, patient = (RecordingSpace(Environment(mission, terms=terms), most, work, by_parts=False) for _ in range(2))
     patient.environment.world.own_fade = True  # then nothing is remembered of other states
     for space in (quick, patient):
         space.explore()
