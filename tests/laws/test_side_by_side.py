@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 import pytest
 
 from rai_missions.agents.talk.orders import RunOrders
-from rai_missions.connectors.connector import Report
+from rai_missions.connectors.chaos import ChaosConnector
+from rai_missions.connectors.connector import Connector, Report
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.conversation import Order
 from rai_missions.engine import Chart
@@ -44,6 +45,8 @@ CANCELED_S, KILLED_S, OVER_S = 30.0, 45.0, 90.0
 """When a run is canceled, and killed, that does not end by itself; and when all are over."""
 SAME = 0.3
 """Of so many pairs both runs have the same mission."""
+DISTURBED = 0.4
+"""Of so many runs what is sent and received is lost, late, repeated or garbled on the way."""
 COMMANDS = ("pause", "pause", "resume", "resume", "resume", "stop", "cancel")
 DEATHS = ("", "", "", "", "kill", "disk", "raises", "hangs", "killed")
 """How a run dies: not at all, by an e-stop, since nothing can be written, by an error in its loop, by a loop that
@@ -145,6 +148,7 @@ class Lives:
         self.mission = lasting(random.Random(f"{seed} mission" if is_same else f"{seed} {name} mission"))
         self.robot = robot(rng, self.mission)
         self.death, self._dies_at = rng.choice(DEATHS), rng.choice([0.5, 1.0, 2.0, 5.0, 8.0])
+        self.is_disturbed, self._processes = random.Random(f"{seed} {name} way").random() < DISTURBED, 0
         self.steps: list[Step] = []
         self.ends: list[Any] = []
         self.results: list[Result] = []
@@ -162,7 +166,7 @@ class Lives:
         self.journal = journal
 
         def make(clock: Clock) -> Callable[[], object]:
-            connector: Any = Mortal(self.land.connector, fate)
+            connector: Any = Mortal(self._way(), fate)
             thinkers = {who: Thinker(self.land.turns, f"{self.name} {who}") for who in ("agent", "rules")}
             self.runner = runner = Runner(
                 self.mission, robot=self.robot, connector=connector, clock=MortalClock(clock, fate),
@@ -173,6 +177,14 @@ class Lives:
 
         self.seat = self.land.turns.begin(make)
         self.orders = RunOrders(self.runner)
+
+    def _way(self) -> Connector:
+        """How the robot is reached from this process."""
+        self._processes += 1
+        if not self.is_disturbed:
+            return self.land.connector
+        seed = f"{self.name} {self._processes}"
+        return ChaosConnector(self.land.connector, seed, later=self.land.turns.call_later)
 
     def _step(self, step: Step) -> None:
         self.steps.append(step)
@@ -306,6 +318,7 @@ def agree(seed: int, folder: Path) -> Counter[str]:
         (alone,) = Land(seed, (life.name,), folder / life.name).lives
         assert life.life() == alone.life(), (seed, life.name)
         found[life.death or "lived"] += 1
+        found["disturbed"] += life.is_disturbed
         found["facts"] += sum(step.event.kind == "write" for step in life.steps)
         if life.death == "killed":
             assert_whole(life.path)
@@ -323,4 +336,4 @@ def test_each_of_many_runs_next_to_another_does_what_it_does_alone(tmp_path: Pat
     found = Counter[str]()
     for seed in range(2_000):
         found += agree(seed, tmp_path / str(seed))
-    assert min(found[each] for each in DEATHS if each) > 100, found
+    assert min(found[each] for each in (*DEATHS, "disturbed") if each) > 100, found

@@ -8,6 +8,9 @@ from __future__ import annotations
 
 import json
 import logging
+import os
+import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from copy import deepcopy
@@ -30,9 +33,9 @@ from rai_missions.campaign.questions import ask_in
 from rai_missions.campaign.store import ResultStore
 from rai_missions.cli.main import main
 from tests.campaign.choosing import MISSION, ROBOT, campaign_data, labels, write_campaign
-from tests.campaign.test_run import ran
+from tests.campaign.test_run import counted, ended, ran
 from tests.security.test_leaks import files, log_of
-from tests.security.test_secrets_in_pieces import SECRETS, assert_whole
+from tests.security.test_secrets_in_pieces import SECRETS, assert_whole, secret_of
 
 pytestmark = pytest.mark.sim
 Json = dict[str, Any]
@@ -50,10 +53,11 @@ class MarkedCampaign:
         secret: What is marked.
         entries: Where it enters.
         folder: For the campaign's own files; what it leaves is in `left` there.
+        scenes: How many it asks about.
     """
 
-    def __init__(self, secret: str, entries: frozenset[str], folder: Path) -> None:
-        self._secret, self._entries, self._folder = secret, entries, folder
+    def __init__(self, secret: str, entries: frozenset[str], folder: Path, scenes: int = 1) -> None:
+        self._secret, self._entries, self._folder, self._scenes = secret, entries, folder, scenes
         self.left = folder / "left"
         self.left.mkdir()
         self._path = self._written()
@@ -65,7 +69,7 @@ class MarkedCampaign:
     def _written(self) -> Path:
         scripts = {"teller": {"*": {"option": "left", "why": f"as {self.mark('script')} has it"}}}
         path = write_campaign(self._folder, campaign_data(
-            1, models=["rules", "teller"], scripts=scripts, embodiments=list(BODIES), retries=0,
+            self._scenes, models=["rules", "teller"], scripts=scripts, embodiments=list(BODIES), retries=0,
             arguments={"note": self.mark("fact")},
         ))  # fmt: skip
         mission: Json = deepcopy(MISSION)
@@ -100,6 +104,20 @@ class MarkedCampaign:
             self._ask_model(load_campaign(self._path), store)
         assert main(["campaign", "report", str(stores[0]), "--report", str(self.left / "page.html")]) == 0
         assert main(["campaign", "compare", *map(str, stores)]) == 0
+
+    def killed(self) -> bytes:
+        """Have a process ask those who need no model, and kill it in its midst; what it has printed."""
+        store, temporary = self.left / "killed.db", self.left / "temporary"
+        temporary.mkdir()
+        command = [sys.executable, "-m", "rai_missions.cli.main", "campaign", "run", str(self._path)]
+        process = subprocess.Popen(
+            [*command, "--store", str(store), "--jobs", "2"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            env={**os.environ, "TMPDIR": str(temporary)},
+        )  # fmt: skip
+        while not counted(store) and not ended(process):
+            pass
+        process.kill()
+        return process.communicate()[0]
 
     def _ask_model(self, loaded: LoadedCampaign, store: Path) -> None:
         (scene,) = loaded.file.scenes.scenes()
@@ -151,6 +169,20 @@ DRAWN = (SECRETS, st.sets(st.sampled_from(ENTRIES), min_size=1))
 @given(*DRAWN)
 def test_a_secret_that_enters_a_campaign_leaves_nowhere(meet: Meet, secret: str, entries: set[str]) -> None:
     meet(secret, entries)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("seed", "length"), [(1, 40), (2, 2_001)])
+def test_a_secret_that_enters_a_campaign_that_is_killed_leaves_nowhere(
+    seed: int, length: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    secret = secret_of(seed, length, 0.0)
+    monkeypatch.setenv("STRANGERS_API_KEY", secret)
+    made = MarkedCampaign(secret, frozenset(ENTRIES), tmp_path, scenes=8)
+    printed = made.killed()
+    assert counted(made.left / "killed.db")
+    left = {str(path): path.read_bytes() for path in made.left.rglob("*") if path.is_file()}
+    assert_whole(left | {"printed": printed}, secret)
 
 
 @pytest.mark.drill
