@@ -5,8 +5,9 @@ Rule: two regions are in one group if anything but the mission's own keys connec
 certain, they are in one group, or the parallel state is explored as a whole.
 
 What connects regions is found in the text of a mission: a name that appears in two of them (a state, an event, a key
-that the robot reports), actions that exclude each other, a rule outside that names states of both. Keys of the mission
-itself connect none: what a step asks of them, and writes, is noted as it is made (`store`, `wakes`).
+that the robot reports), actions that exclude each other. Keys of the mission itself connect none: what a step asks of
+them, and writes, is noted as it is made (`store`, `wakes`). Nor does a rule around them that names states of both: one
+that an event fires makes each step rest on both (`named`), one that waits is woken by what it watches (`outside`).
 """
 
 from __future__ import annotations
@@ -149,8 +150,6 @@ class Regions:
         for at, some in enumerate(actions):
             leads.join(other for other, others in enumerate(actions) if other == at or any(
                 self._chart.terms.conflict(one, two) for one in some for two in others))  # fmt: skip
-        for condition in (*read.waiting, *(each.condition for each in read.firing)):
-            leads.join(read.region_of[name] for name in _states(condition) if name in read.region_of)
         return leads.groups()
 
     def _grouped(self, read: ParallelTexts, groups: list[list[int]]) -> RegionGroups:

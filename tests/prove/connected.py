@@ -77,6 +77,13 @@ def among_others(document: Json) -> Json:
     return {**document, "events": {**document["events"], "x": {}, "y": {}}, "states": states}
 
 
+BOTH: Json = {"all": [{"in": "lb"}, {"in": "rc"}]}
+AROUND: dict[str, Json] = {
+    "by an event": {"on": "k", "when": BOTH}, "without one": {"when": BOTH},
+    "by time": {"after_s": 3, "when": {"any": [{"in": "lc"}, {"not": {"in": "rb"}}]}},
+    "after a while": {"when": {"held": BOTH, "for_s": 2}},
+}  # fmt: skip
+"""When a rule around two regions fires → the rule."""
 ARMED: Json = {"key": "armed", "==": True}
 ARM: list[Json] = [{"set": "armed", "value": True}]
 OVER: Json = {"on_cancel": "over"}
@@ -119,6 +126,9 @@ CONNECTED: dict[str, Json] = {
         moves("l", "l"), moves("r", "r"), [{"on": "k", "when": {"in": "lb"}, "to": "after"}]),
     "a rule around them without an event that names a state": mission(
         moves("l", "l"), moves("r", "r", do=ARM), [{"when": {"all": [{"in": "lb"}, ARMED]}, "to": "over"}]),
+    **{f"a rule around them, {what}, that names both": mission(
+        onward("l", "l", "stop"), onward("r", "r", "both"), [{**rule, "to": "after"}])
+       for what, rule in AROUND.items()},
     "an invariant that names both": mission(
         moves("l", "l"), moves("r", "r"), invariants={"one": {"not": {"all": [{"in": "lb"}, {"in": "rb"}]}}}),
     "an invariant over a state and a key": mission(
