@@ -18,7 +18,6 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
-from rai_missions.cli.main import main
 from rai_missions.replay.replay import replay
 from tests.security.test_secrets_in_pieces import MISSION, SECRETS, assert_whole, secret_of
 from visualize import draw_review
@@ -72,7 +71,6 @@ def leaves_nothing(own: str, theirs: str, cuts: list[int]) -> int:
             patch.delenv("STRANGERS_API_KEY", raising=False)
             assert replay(journal).holds
             draw_review(MISSION, folder / "page.html", [journal])
-            assert main(["textconv", str(journal)]) == 0
         assert_whole(everything(folder), own, theirs)
     return killed
 
