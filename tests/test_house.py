@@ -165,8 +165,8 @@ MOST_MODULES, MOST_PACKAGES = 9, 26
 
 
 def rooms(home: Path) -> tuple[set[str], set[str]]:
-    """The modules and the packages in a package; a folder of data only is neither."""
-    modules = {path.stem for path in home.glob("*.py")} - {"__init__"}
+    """The modules and the packages in a package; a folder of data only is neither, and its two doors are no rooms."""
+    modules = {path.stem for path in home.glob("*.py")} - {"__init__", "__main__"}
     return modules, {path.name for path in home.iterdir() if any(path.rglob("*.py"))}
 
 

@@ -345,7 +345,7 @@ def test_a_copied_example_passes_its_check(folder: Path, template: str) -> None:
 
 
 def test_a_reader_that_disappears_is_no_traceback(folder: Path) -> None:
-    program = [sys.executable, "-m", "rai_missions.cli.main", "schema"]
+    program = [sys.executable, "-m", "rai_missions", "schema"]
     with subprocess.Popen(program, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ}) as process:
         assert process.stdout is not None and process.stderr is not None
         process.stdout.close()

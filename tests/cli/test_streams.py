@@ -33,7 +33,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def shell(command: str, *words: str, **variables: str) -> subprocess.CompletedProcess[str]:
     """A command line of a shell, in which `$@` is the program with these words."""
-    program = [sys.executable, "-m", "rai_missions.cli.main", *words]
+    program = [sys.executable, "-m", "rai_missions", *words]
     return subprocess.run(
         ["sh", "-c", command, "sh", *program], capture_output=True, text=True, check=False, errors="replace",
         stdin=subprocess.DEVNULL, env={**os.environ, "PYTHONUNBUFFERED": "", **variables},
