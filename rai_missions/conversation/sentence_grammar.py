@@ -92,6 +92,10 @@ class SentenceGrammar:
             or all(self._phrases.choices(name) or isinstance(sense.arguments[name], str) for name in sense.named)
         )
 
+    def begins_a_clause(self, word: str) -> bool:
+        """Whether a word behind an order begins another clause rather than what the order is about."""
+        return word in self.language.data["reasoning"]
+
     def begins_a_start(self, words: Sequence[str]) -> bool:
         """Whether the words begin with a phrase of the robot's own that starts a mission."""
         return self._phrases.begin(words)

@@ -21,6 +21,8 @@ MOST_CLAUSES = 8
 """Clauses of the longest sentence in which one is looked for."""
 QUOTING = ":"
 """What is behind it may be the words of others."""
+LONGEST_ORDER = 8
+"""Words of the longest order of the language that is looked for within a clause."""
 LONGEST_THING = 3
 """Words of the longest name of a thing in whose place a pronoun may be."""
 REPLIES = frozenset({"yes", "no", "quiet", "withdraw", "again", "other"})
@@ -44,7 +46,7 @@ class Suggestions:
         self._openings = frozenset(map(tuple, self._language.normaliser.lead))
         self._joints, self._addressed = frozenset(data["clause_joints"]), frozenset(data["addressed"])
         self._addressing, self._no_order_after = frozenset(data["addressing"]), frozenset(data["no_order_after"])
-        self._negations = frozenset(data["claims"]["negations"])
+        self._unordered = frozenset([*data["claims"]["negations"], *data["quoting"]])
         self._requesting = frozenset(data["requesting"])
         self._place_joints: Sequence[str] = data["place_joints"]
         self._place_pronouns = sorted((each.split() for each in data["place_pronouns"]), key=len, reverse=True)
@@ -159,7 +161,7 @@ class Suggestions:
     def _inside(
         self, words: list[str], view: StatusView, *, is_addressed: bool, is_question: bool
     ) -> tuple[Sense, ...]:
-        """The one start within a clause that has more words; None with a negation or in a question.
+        """The one order within a clause that has more words; none with a negation, words of others, or in a question.
 
         Args:
             words: Of the clause.
@@ -168,7 +170,7 @@ class Suggestions:
             is_question: The sentence is one; without a request in the clause, nothing is to be done.
         """
         is_request = bool(self._requesting & set(words))
-        if self._negations & set(words) or words[0] in self._asking or (is_question and not is_request):
+        if self._unordered & set(words) or words[0] in self._asking or (is_question and not is_request):
             return ()
         before = [at and words[at - 1] for at, word in enumerate(words) if word not in self._fillers]
         words, found, at = self._language.normaliser.spoken(words), dict[str, Sense](), 0
@@ -176,12 +178,25 @@ class Suggestions:
             is_free = at > 0 and before[at] not in self._no_order_after
             may_begin = at == 0 or (is_free and (is_addressed or bool(self._verbs & set(words[:at]))))
             sense, size = self._longest(words[at:], view) if may_begin else (None, 0)
+            if sense is None and may_begin:
+                sense, size = self._ordered(words[at:])
             if sense is None and is_free:
                 sense, size = self._about_earlier(words, at, view)
             if sense is not None:
                 found[sense.identity] = sense
             at += size or 1
         return tuple(found.values()) if len(found) == 1 else ()
+
+    def _ordered(self, words: list[str]) -> tuple[Sense | None, int]:
+        """The longest order of the language that the words begin with, where at most another clause is behind it."""
+        for size in range(min(len(words), LONGEST_ORDER), 0, -1):
+            if size < len(words) and not self._grammar.begins_a_clause(words[size]):
+                continue
+            bare = self._language.normaliser.bare(words[:size])
+            for name, phrases in self._language.orders.items():
+                if phrases.fits(bare):
+                    return Sense("order", name), size
+        return None, 0
 
     def _about_earlier(self, words: list[str], at: int, view: StatusView) -> tuple[Sense | None, int]:
         """The start at the end of a clause with a pronoun for what the clause has named: `my cup is gone find it`."""

@@ -279,3 +279,28 @@ def test_a_listed_value_that_lacks_a_letter_is_that_value(code: str) -> None:
         for at in range(1, len(name)) if len(name) > LEAST_MENDED else ():
             slip = name[:at] + name[at + 1 :]
             assert found(go.format(slip), code) == [{"task": "go", "place": value}] or slip == name, slip
+
+
+WITHIN = {
+    "en": {
+        "it is getting dark {} the robot": ("stop", "pause", "cancel"),
+        "dinner is ready please {} the mission": ("pause", "cancel"),
+        "{} the mission we are done": ("pause", "cancel"),
+    },
+    "de": {
+        "es ist schon dunkel {} bitte die mission": ("pausiere", "beende"),
+        "das essen ist fertig also {}": ("pausiere",),
+    },
+}  # fmt: skip
+QUOTED = {"en": "he told me you should {}", "de": "er hat gesagt du sollst bitte {}"}
+
+
+@pytest.mark.parametrize("code", languages())
+def test_an_order_of_the_language_within_a_clause_is_read_back_and_one_of_others_is_none(code: str) -> None:
+    for form, verbs in WITHIN[code].items():
+        for verb in verbs:
+            outputs = replies(form.format(verb), code)
+            assert not any(isinstance(each, Order) for each in outputs), (form, verb)
+            assert len(read_back(outputs)) == 1, (form, verb)
+            quoted = replies(QUOTED[code].format(verb), code)
+            assert not read_back(quoted), (form, verb)
