@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,8 @@ __all__ = ("Language", "language", "languages", "spoken")
 WORD = re.compile(r"\{\w*\}|<\w*>|[^\s()\[\]|{}<>*]+")
 """A word of a phrase, a slot or a part."""
 FOLDER = Path(__file__).parent / "languages"
+MOST_NAMES = 1000
+"""Names of the format that are remembered without their unit: each sentence asks for those of all keys."""
 
 
 class Language(LanguageTexts):
@@ -34,6 +36,7 @@ class Language(LanguageTexts):
     def __init__(self, data: Mapping[str, Any]) -> None:
         super().__init__(data)
         self.normaliser = Normaliser(data, by=cut)
+        self._name_and_unit = lru_cache(MOST_NAMES)(self._split_name)
         self.articles = frozenset(data["articles"])
         self.spatial = frozenset(data["parts"]["spatial"].replace("|", " ").split())
         """The words that relate a thing to a place: `in`, `next`, `to`."""
@@ -123,7 +126,8 @@ class Language(LanguageTexts):
         """The unit that a name of the format ends with: `m` of `height_m`; empty where it has none."""
         return self._name_and_unit(name)[1]
 
-    def _name_and_unit(self, name: str) -> tuple[str, str]:
+    def _split_name(self, name: str) -> tuple[str, str]:
+        """A name without its unit, and the unit."""
         parts = name.split("_")
         for count in (2, 1):
             unit = self.data["units"].get("_".join(parts[-count:]))

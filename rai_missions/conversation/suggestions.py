@@ -148,10 +148,16 @@ class Suggestions:
         for at, size in self._place_pronouns_in(words):
             for place in self._grammar.places_in(before):
                 for joint in self._place_joints:
-                    order = _order(self._grammar.senses([*words[:at], joint, *place, *words[at + size :]], view))
+                    placed = [*words[:at], joint, *place, *words[at + size :]]
+                    order = _order(self._grammar.senses(placed, view)) if self._may_start(placed) else ()
                     if order and len(order[-1].named) == 1:
                         return order
         return ()
+
+    def _may_start(self, words: Sequence[str]) -> bool:
+        """Whether words may be a start, once what is polite is left out and a verb at their end comes first."""
+        forms = ((each, self._language.imperative(each)) for each in self._language.normaliser.openings(words))
+        return any(self._grammar.begins_a_start(each) for form in forms for each in form)
 
     def _place_pronouns_in(self, words: Sequence[str]) -> Iterator[tuple[int, int]]:
         """Where what is in place of a place begins, with how many words it has, the longest first."""

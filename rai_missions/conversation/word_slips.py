@@ -23,6 +23,7 @@ def nearest(word: str, known: Collection[str]) -> str:
     if len(word) < NEAREST:
         near = [each for each in known if each[0] == word[0] and len(each) <= len(word) and is_slip(word, each)]
     else:
-        near = [each for each in known if len(each) >= NEAREST - 1 and is_near(word, each)]
+        sizes = range(max(NEAREST - 1, len(word) - 1), len(word) + 2)
+        near = [each for each in known if len(each) in sizes and is_near(word, each)]
         near = [each for each in near if each[0] == word[0]] or near
     return near[0] if len(near) == 1 else word
