@@ -292,7 +292,7 @@ WITHIN = {
         "das essen ist fertig also {}": ("pausiere",),
     },
 }  # fmt: skip
-QUOTED = {"en": "he told me you should {}", "de": "er hat gesagt du sollst bitte {}"}
+QUOTED = {"en": "he shouted you should {}", "de": "er hat gesagt du sollst bitte {}"}
 
 
 @pytest.mark.parametrize("code", languages())
