@@ -108,7 +108,8 @@ class Grammar:
         """Whether a stop is in it, or a warning: `stop, there is a child`; `stop stop you hit the cat`."""
         stop, first = self.language.orders["stop"], words[:1]
         is_again = words[1:2] == first and stop.fits(first)
-        return is_again or any(map(stop.fits, edges)) or self._warns(text, edges, view)
+        heads = [self._ahead_of_reason(each) for each in edges[:1] if not text.rstrip().endswith("?")]
+        return is_again or any(map(stop.fits, (*edges, *heads))) or self._warns(text, edges, view)
 
     def _warns(self, text: str, edges: Sequence[list[str]], view: StatusView) -> bool:
         """Whether it is a warning, `watch out, the dog!`, and does not announce what the person wants to express."""
@@ -131,6 +132,11 @@ class Grammar:
         is_on_condition = any(words[:1] == [each] for each in self.language.data["conditions"] for words in clauses[:1])
         edges = [*clauses[:1], *whole, *([] if is_on_condition else clauses[1:][-1:])]
         return [list(once(normaliser.bare(words, called(view.robot)))) for words in edges]
+
+    def _ahead_of_reason(self, words: list[str]) -> list[str]:
+        """The words ahead of a reason for them that begins without a comma: `stop now` of `stop now or you crash`."""
+        begins = self.language.reason_joints.begin
+        return words[: next((at for at in range(1, len(words)) if begins(words[at:])), len(words))]
 
     def _in_parts(self, parts: list[str], view: StatusView, draft: Draft | None) -> tuple[Sense, ...]:
         """What the sentences of an utterance mean together."""

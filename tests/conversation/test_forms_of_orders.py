@@ -10,7 +10,7 @@ import pytest
 
 from rai_missions.conversation.grammar import Grammar
 from rai_missions.conversation.language import language, languages
-from rai_missions.conversation.senses import Sense
+from rai_missions.conversation.senses import STOP, Sense
 from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.engine.decision import Offer, Question
 from tests.conversation.stored import ASSISTING, start_phrases
@@ -42,6 +42,26 @@ INDIRECT = {
         "Weißt du, wie weit du bist?": "progress", "Ich wüsste gern, was das für ein Lied ist": "",
     },
 }  # fmt: skip
+
+
+STOPS = {
+    "en": ("stop", "stop it now", "Halt", "please stop", "freeze", "stop the robot"),
+    "de": ("stopp", "halt an", "bleib stehen", "anhalten"),
+}
+REASONS = {
+    "en": (
+        "or you'll crash", "because there is a cat", "before you hit it", "since the gate is shut", "so I can pass",
+        "you're too close", "there's a child on the floor", "while I move the chair", "until I am back",
+    ),
+    "de": (
+        "sonst krachts", "weil da ein Hund ist", "bevor du dagegen fährst", "oder du fährst dagegen", "da liegt was",
+        "du fährst gleich dagegen", "bis ich vorbei bin",
+    ),
+}  # fmt: skip
+LATER = {
+    "en": ("when you get to the gate", "if you see a dog", "signs are red", "by the shop on the way"),
+    "de": ("wenn du am Tor bist", "falls du einen Hund siehst"),
+}
 
 
 class Form(NamedTuple):
@@ -177,3 +197,13 @@ def test_an_indirect_question_is_the_question_in_it(code: str) -> None:
     grammar = Grammar(language(code))
     read = {each: [sense.name for sense in grammar.senses(each, ASSISTING)] for each in INDIRECT[code]}
     assert read == {each: [name] if name else [] for each, name in INDIRECT[code].items()}
+
+
+@pytest.mark.parametrize("code", languages())
+def test_a_stop_counts_with_its_reason_behind_it_and_no_comma(code: str) -> None:
+    grammar = Grammar(language(code))
+    for stop in STOPS[code]:
+        missed = [why for why in REASONS[code] if grammar.senses(f"{stop} {why}", ASSISTING) != (STOP,)]
+        assert missed == [], stop
+        now = [when for when in LATER[code] if STOP in grammar.senses(f"{stop} {when}", ASSISTING)]
+        assert now == [], stop
