@@ -208,7 +208,7 @@ class Lives:
         self.runner.post(Event(name, self.land.turns.at, {"k": k}))
 
     def _order(self, order: Order) -> None:
-        self.orders.perform(order, lambda refused: self.ends.append((order.number, order.name, refused)))
+        self.orders.perform(order, lambda result: self.ends.append((order.number, order.name, result.refused)))
 
     def _die(self) -> None:
         """It dies, where it is to."""

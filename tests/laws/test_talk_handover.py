@@ -16,8 +16,10 @@ import pytest
 
 from rai_missions.agents.conversation import ConversationalAgent
 from rai_missions.agents.talk.doors import TalkLine, TextDoor
-from rai_missions.agents.talk.orders import RunOrders
+from rai_missions.agents.talk.orders import OnOrderEnd, RunOrders
 from rai_missions.conversation import Order, Settings
+from rai_missions.conversation.inputs import OrderResult
+from rai_missions.conversation.language import language
 from rai_missions.engine import Chart
 from rai_missions.engine.step import Ask, Handover, Step
 from rai_missions.errors import DefinitionError
@@ -57,7 +59,7 @@ class Given(NamedTuple):
     place: int
     """In which of the sentences."""
     order: Order
-    ends: list[str]
+    ends: list[OrderResult]
     steps: list[Step]
     """The step that took it."""
 
@@ -155,15 +157,15 @@ class Held:
         if self.agent is not None:
             self.agent.changed(status)
 
-    def _note(self, orders: RunOrders, order: Order, on_end: Callable[[str], None]) -> None:
+    def _note(self, orders: RunOrders, order: Order, on_end: OnOrderEnd) -> None:
         """An order goes to the run, and what is reported of it is noted."""
         given = Given(self._place, order, [], [])
         self.given.append(given)
 
-        def ended(refused: str) -> None:
-            given.ends.append(refused)
+        def ended(result: OrderResult) -> None:
+            given.ends.append(result)
             given.steps.extend(self._taking)
-            on_end(refused)
+            on_end(result)
 
         self._perform(orders, order, ended)
 
@@ -206,7 +208,7 @@ class Held:
             self.agent.wait_answered(20.0)
         for each in self._orders:
             if each.place == self._place:
-                self.orders.perform(each.order, lambda refused: None)
+                self.orders.perform(each.order, lambda result: None)
 
 
 SETTINGS = Settings(requests="refuse")
@@ -229,7 +231,7 @@ ACCEPTED = {"pause": "paused", "stop": "paused", "cancel": "canceling", "resume"
 
 def is_true(given: Given) -> bool:
     """Whether what was reported of an order is what the run did in the step that took it, or judged it."""
-    (refused,) = given.ends
+    refused = given.ends[0].refused
     if not given.steps:
         return bool(refused)
     (step,) = given.steps
@@ -252,8 +254,10 @@ def resumes_anywhere(path: Path, talked: Held) -> None:
 
 def is_spoken(given: Given, lines: list[TalkLine]) -> bool:
     """Whether the person was informed of an order's refusal; that of a stop is spoken with it."""
-    why = given.ends[0].rstrip(".").lower()
-    return not why or given.order.name == "stop" or any(why[:100] in line.text.lower() for line in lines)
+    refused, kind = given.ends[0]
+    text: str = language("en").data["texts"][f"refused_{kind}"] if kind else refused
+    why = text.partition("{")[0].rstrip(". ").lower()
+    return not refused or given.order.name == "stop" or any(why[:100] in line.text.lower() for line in lines)
 
 
 @sooner_ended()
@@ -270,7 +274,7 @@ def agree(seed: int, folder: Path) -> Counter[str]:
         assert is_spoken(each, talked.lines), (seed, each)
         number = each.order.question if each.order.name == "answer" else None
         is_kept = any(step.kept and step.event.number == number for step in talked.steps)
-        found[f"{each.order.name}{is_kept * ' kept'} {'refused' if each.ends[0] else 'done'}"] += 1
+        found[f"{each.order.name}{is_kept * ' kept'} {'refused' if each.ends[0].refused else 'done'}"] += 1
     return found
 
 
