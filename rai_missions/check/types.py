@@ -13,7 +13,6 @@ from rai_missions.errors import DefinitionError
 from rai_missions.guards import GoalIs
 from rai_missions.guards.compare import NUMBERS, comparable
 from rai_missions.keys import Key, type_error
-from rai_missions.states import Plan
 from rai_missions.states.effects import references
 
 __all__ = (
@@ -118,7 +117,7 @@ def _written(index: MissionIndex, write: KeyWrite, key: Key) -> tuple[str, str] 
 def unreadable_goals(index: MissionIndex) -> Found:
     """A goal that is written in the mission is one that the planner reads."""
     goals = {part.goal for _, part, _ in index.parts if isinstance(part, GoalIs)}
-    goals |= {spot.state.plan for spot in index.spots if isinstance(spot.state, Plan)}
+    goals |= {use.path for spot in index.spots for use in spot.state.type_needs() if use.is_goal}
     for place, value in _constants(index, goals):
         from rai_missions.planning import read_goal  # a planner; few missions have goals
 

@@ -51,7 +51,7 @@ class Plan(State, word="plan"):
         return outcome == "succeeded" or not value.get("next")
 
     def type_needs(self) -> Iterator[TypeNeed]:
-        yield TypeNeed("/plan", self.plan, "object", "a plan leads to a goal, an object")
+        yield TypeNeed("/plan", self.plan, "object", "a plan leads to a goal, an object", is_goal=True)
         yield TypeNeed("/over", self.over, "object", "a plan begins at what is seen, an object")
         yield TypeNeed("/into", self.into, "object", "a plan is an object")
         if self.asked is not None:

@@ -157,6 +157,8 @@ class TypeNeed(NamedTuple):
     kind: str
     why: str
     """What it is for, in a clause."""
+    is_goal: bool = False
+    """A goal is read from it, as the planner reads one."""
 
 
 class State(TaggedModel, family="state", group="rai_missions.activities", word=""):
