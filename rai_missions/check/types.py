@@ -116,9 +116,9 @@ def _written(index: MissionIndex, write: KeyWrite, key: Key) -> tuple[str, str] 
 
 def unreadable_goals(index: MissionIndex) -> Found:
     """A goal that is written in the mission is one that the planner reads."""
-    goals = {part.goal for _, part, _ in index.parts if isinstance(part, GoalIs)}
-    goals |= {use.path for spot in index.spots for use in spot.state.type_needs() if use.is_goal}
-    for place, value in _constants(index, goals):
+    constants = list(_constants(index))
+    goals = _goal_paths(index) if constants else set[str]()
+    for place, value in ((place, value) for name, place, value in constants if name in goals):
         from rai_missions.planning import read_goal  # a planner; few missions have goals
 
         try:
@@ -127,14 +127,16 @@ def unreadable_goals(index: MissionIndex) -> Found:
             yield from ((place + each.place, each.sentence) for each in error.faults)
 
 
-def _constants(index: MissionIndex, goals: set[str]) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    """The objects that are given to keys of goals in the mission itself, with their places; an empty one is no goal."""
-    initial = (
-        (f"/blackboard/{name}/initial", key.initial) for name, key in index.mission.blackboard.items() if name in goals
-    )
-    values = (
-        (f"{write.place}/value", write.value) for write in index.writes if write.by == "set" and write.key in goals
-    )
-    for place, value in (*initial, *values):
+def _goal_paths(index: MissionIndex) -> set[str]:
+    """From where guards and activities read a goal."""
+    asked = {part.goal for _, part, _ in index.parts if isinstance(part, GoalIs)}
+    return asked | {use.path for spot in index.spots for use in spot.state.type_needs() if use.is_goal}
+
+
+def _constants(index: MissionIndex) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
+    """The objects that the mission itself gives to its keys: key, place, object; an empty one is no goal."""
+    initial = ((name, f"/blackboard/{name}/initial", key.initial) for name, key in index.mission.blackboard.items())
+    values = ((write.key, f"{write.place}/value", write.value) for write in index.writes if write.by == "set")
+    for name, place, value in (*initial, *values):
         if isinstance(value, Mapping) and value and next(references(value), None) is None:
-            yield place, value
+            yield name, place, value
