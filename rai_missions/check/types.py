@@ -9,7 +9,7 @@ from typing import Any
 from rai_missions.check.finding import Found
 from rai_missions.check.index import KeyWrite, MissionIndex, PathUse, Scope
 from rai_missions.check.paths import meaning
-from rai_missions.errors import DefinitionError
+from rai_missions.errors import DefinitionError, Fault
 from rai_missions.guards import GoalIs
 from rai_missions.guards.compare import NUMBERS, comparable
 from rai_missions.keys import Key, type_error
@@ -118,13 +118,19 @@ def unreadable_goals(index: MissionIndex) -> Found:
     """A goal that is written in the mission is one that the planner reads."""
     constants = list(_constants(index))
     goals = _goal_paths(index) if constants else set[str]()
-    for place, value in ((place, value) for name, place, value in constants if name in goals):
-        from rai_missions.planning import read_goal  # a planner; few missions have goals
+    for name, place, value in constants:
+        if name in goals:
+            yield from ((place + each.place, each.sentence) for each in _goal_faults(value))
 
-        try:
-            read_goal(value)
-        except DefinitionError as error:
-            yield from ((place + each.place, each.sentence) for each in error.faults)
+
+def _goal_faults(value: Mapping[str, Any]) -> tuple[Fault, ...]:
+    from rai_missions.planning import read_goal  # a planner; few missions have goals
+
+    try:
+        read_goal(value)
+    except DefinitionError as error:
+        return tuple(error.faults)
+    return ()
 
 
 def _goal_paths(index: MissionIndex) -> set[str]:
