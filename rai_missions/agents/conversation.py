@@ -357,8 +357,8 @@ class ConversationalAgent:
 
     def _order_end(self, order: Order) -> OnOrderEnd:
         def on_end(result: OrderResult) -> None:
-            end = partial(OrderEnd, order.number, result.refused, kind=result.kind)
-            self._post(lambda: self._dialogue.on_order_end(end(at=self._now())))
+            refused, kind = result
+            self._post(lambda: self._dialogue.on_order_end(OrderEnd(order.number, refused, self._now(), kind)))
 
         return on_end
 

@@ -17,11 +17,13 @@ from rai_missions.planning.text.language_file import LanguageTexts, language_cod
 from rai_missions.planning.text.normalise import Normaliser
 from rai_missions.redaction import cut
 
-__all__ = ("Language", "language", "languages", "spoken")
+__all__ = ("QUOTING", "Language", "language", "languages", "spoken")
 
 WORD = re.compile(r"\{\w*\}|<\w*>|[^\s()\[\]|{}<>*]+")
 """A word of a phrase, a slot or a part."""
 FOLDER = Path(__file__).parent / "languages"
+QUOTING = ":"
+"""What is behind it in a sentence may be the words of others."""
 MOST_NAMES = 1000
 """Names of the format that are remembered without their unit: each sentence asks for those of all keys."""
 

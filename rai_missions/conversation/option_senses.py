@@ -10,14 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rai_missions.conversation.language import Language, spoken
+from rai_missions.conversation.language import QUOTING, Language, spoken
 from rai_missions.conversation.word_slips import nearest
 from rai_missions.engine.decision import Offer
 
 __all__ = ("OptionSenses",)
 
-QUOTING = ":"
-"""What is behind it may be the words of others."""
 LONGEST_ADVISING = 5
 """Words of the longest phrase ahead of what is advised: `you would do better to`."""
 

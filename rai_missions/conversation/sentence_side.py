@@ -27,6 +27,7 @@ from rai_missions.conversation.talk import Talk
 from rai_missions.conversation.values import is_known
 from rai_missions.conversation.view import StatusView
 from rai_missions.engine.decision import Question
+from rai_missions.event import Role
 from rai_missions.redaction import cut
 
 __all__ = ("Handling", "SentenceSide")
@@ -184,22 +185,23 @@ class SentenceSide:
         """
         if self._talk.settings.has_model or utterance.is_spoken or self._orders.confirmation.order is not None:
             return ()
-        if senses := self._answered_by_sense(utterance):
+        text = cut(utterance.text, LONGEST_READ)
+        if senses := self._answered_by_sense(text, utterance.role):
             return senses
-        senses = self._suggestions.suggested(cut(utterance.text, LONGEST_READ), self._talk.view)
+        senses = self._suggestions.suggested(text, self._talk.view)
         if not senses and not faults:
-            asked = self._grammar.question_by_sense(cut(utterance.text, LONGEST_READ), self._talk.view)
+            asked = self._grammar.question_by_sense(text, self._talk.view)
             return (asked,) if asked is not None else ()
         if not senses or any(not each.lacks or set(each.lacks) - senses[-1].arguments.keys() for each in faults):
             return ()
         is_order = senses[-1].kind == "order"
         return self._answerable(senses) if not is_order or self._is_possible(senses[-1], utterance) else ()
 
-    def _answered_by_sense(self, utterance: Utterance) -> tuple[Sense, ...]:
+    def _answered_by_sense(self, text: str, role: Role) -> tuple[Sense, ...]:
         """The options that a typed sentence asks for in words of its own, where its role may answer."""
-        if not self._talk.view.questions or not may(utterance.role, "answer", self._talk.settings):
+        if not self._talk.view.questions or not may(role, "answer", self._talk.settings):
             return ()
-        return self._grammar.answers_by_sense(cut(utterance.text, LONGEST_READ), self._talk.view)
+        return self._grammar.answers_by_sense(text, self._talk.view)
 
     def _answerable(self, senses: Sequence[Sense]) -> tuple[Sense, ...]:
         """The question, where a fact answers it; else the order that it is, too, to be read back: `where is my cup`."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from rai_missions.conversation.language import QUOTING
 from rai_missions.conversation.senses import FAULT, STOP, Sense, is_fault
 from rai_missions.conversation.sentence_grammar import SentenceGrammar
 from rai_missions.conversation.state_answers import ALWAYS
@@ -19,8 +20,6 @@ __all__ = ("Suggestions",)
 
 MOST_CLAUSES = 8
 """Clauses of the longest sentence in which one is looked for."""
-QUOTING = ":"
-"""What is behind it may be the words of others."""
 LONGEST_ORDER = 8
 """Words of the longest order of the language that is looked for within a clause."""
 LONGEST_THING = 3
