@@ -20,6 +20,7 @@ from rai_missions.worlds.desk.catalogue import KINDS
 __all__ = ("FEWEST_SHARE", "DeskLook", "Eye", "SeenBody", "SurfacePoints", "sigma_m", "sigma_yaw", "surface_points")
 
 Points = NDArray[np.float64]
+Triple = tuple[float, float, float]
 FEWEST_SHARE = 0.25
 """Of what faces a camera; a thing of which less is in sight is not detected."""
 SIGMA_M: Mapping[str, float] = {
@@ -90,32 +91,55 @@ def sigma_yaw(kind: str, share: float) -> float:
 @cache
 def surface_points(kind: str) -> SurfacePoints:
     """Points spread over what of a kind can be seen, and their normals."""
-    x, y, z = (side / 2 for side in KINDS[kind].size)
+    half = np.array(KINDS[kind].size) / 2
     if KINDS[kind].is_container:
-        rim = [(u, v, 1.0) for u in (-0.97, 0.0, 0.97) for v in (-0.96, 0.96)] + [(u, 0.0, 1.0) for u in (-0.97, 0.97)]
-        return _surface([(u * x, v * y, w * z) for u, v, w in rim], [(0.0, 0.0, 1.0)] * len(rim))
-    if kind == "cube":
-        inset = (-0.75, 0.75)
-        top = [(0.0, 0.0, 1.0), *((u, v, 1.0) for u in inset for v in inset)]
-        sides = [(side, u, w) for side in (-1.0, 1.0) for u in inset for w in inset]
-        spots = [*top, *sides, *((u, side, w) for side, u, w in sides)]
-        normals = (
-            [(0.0, 0.0, 1.0)] * 5
-            + [(side, 0.0, 0.0) for side, _, _ in sides]
-            + [(0.0, side, 0.0) for side, _, _ in sides]
-        )
-        return _surface([(u * x, v * y, w * z) for u, v, w in spots], normals)
-    turns = [step * math.pi / 4 for step in range(8)]
-    if x > 1.5 * y:
-        rings = [(along, 0.85 * (1 - 0.5 * abs(along))) for along in (-0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75)]
+        shape = _rim()
+    elif kind == "cube":
+        shape = _cube()
     else:
-        rings = [(-0.6, 0.8), (0.0, 1.0), (0.6, 0.8)]
-    around = [(0.0, math.cos(turn), math.sin(turn)) for turn in turns]
-    spots = [(along, radius * v, radius * w) for along, radius in rings for _, v, w in around]
-    outward = [(along if x <= 1.5 * y else 0.0, v, w) for along, _ in rings for _, v, w in around]
-    return _surface([(u * x, v * y, w * z) for u, v, w in spots], outward)
+        shape = _long_body() if half[0] > 1.5 * half[1] else _round_body()
+    outward = np.array(shape.normals)
+    return SurfacePoints(np.array(shape.points) * half, outward / np.linalg.norm(outward, axis=1, keepdims=True))
 
 
-def _surface(points: list[tuple[float, float, float]], normals: list[tuple[float, float, float]]) -> SurfacePoints:
-    outward = np.array(normals)
-    return SurfacePoints(np.array(points), outward / np.linalg.norm(outward, axis=1, keepdims=True))
+class _Shape(NamedTuple):
+    """Points in half sizes of the body, and what is outward there, of any length."""
+
+    points: list[Triple]
+    normals: list[Triple]
+
+
+def _rim() -> _Shape:
+    """The upper edge of a container, a little inside its outline."""
+    ends = [(u, 0.0, 1.0) for u in (-0.97, 0.97)]
+    rim = [(u, v, 1.0) for u in (-0.97, 0.0, 0.97) for v in (-0.96, 0.96)] + ends
+    return _Shape(rim, [(0.0, 0.0, 1.0)] * len(rim))
+
+
+def _cube() -> _Shape:
+    """The top and four sides; the middle of the top, and otherwise nothing near an edge."""
+    inset = (-0.75, 0.75)
+    top = [(0.0, 0.0, 1.0), *((u, v, 1.0) for u in inset for v in inset)]
+    ends = [(side, u, w) for side in (-1.0, 1.0) for u in inset for w in inset]
+    flanks = [(u, side, w) for side, u, w in ends]
+    outward = [(side, 0.0, 0.0) for side, _, _ in ends] + [(0.0, side, 0.0) for _, side, _ in flanks]
+    return _Shape([*top, *ends, *flanks], [(0.0, 0.0, 1.0)] * len(top) + outward)
+
+
+def _long_body() -> _Shape:
+    """Rings along a spindle, as a carrot or a corn cob has them."""
+    along = (-0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75)
+    points = [(u, 0.85 * (1 - 0.5 * abs(u)) * v, 0.85 * (1 - 0.5 * abs(u)) * w) for u in along for v, w in _around()]
+    return _Shape(points, [(0.0, v, w) for _ in along for v, w in _around()])
+
+
+def _round_body() -> _Shape:
+    """Three rings of a ball."""
+    rings = ((-0.6, 0.8), (0.0, 1.0), (0.6, 0.8))
+    points = [(along, radius * v, radius * w) for along, radius in rings for v, w in _around()]
+    return _Shape(points, [(along, v, w) for along, _ in rings for v, w in _around()])
+
+
+def _around() -> list[tuple[float, float]]:
+    """Eight directions across a long axis."""
+    return [(math.cos(turn), math.sin(turn)) for turn in (step * math.pi / 4 for step in range(8))]
