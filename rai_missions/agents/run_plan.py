@@ -109,17 +109,25 @@ def read_plan(config: RunConfig, closing: CleanupStack) -> RunPlan:
     speed: object = config.speed
     if speed is not None and not (isinstance(speed, int | float) and speed > 0):
         raise UsageError(f"{shown(speed)} is no speed; give a positive number such as 5, or infinity")
+    plan = _read(config, closing)
+    mission, resumed = plan.mission, plan.resumed
+    plan.refuse(errors_of(mission, _named_file(config.mission), named=config.named), config.mission)
+    if resumed is None:
+        accepted(mission, config.arguments, whole=not config.waits)
+    chosen = open_python_robot(config.robot, mission, resumed.robot if resumed is not None else None)
+    if chosen is not None:
+        plan = plan._replace(python=chosen.robot, robot=chosen.profile)
+    if plan.robot is not None:
+        plan.refuse(missing(mission, plan.robot), config.robot)
+    elif resumed is None and config.connector is None and (needed := mission.needed_facts()):
+        raise UsageError(f"the mission must receive {', '.join(needed)} from a robot, and none was given")
+    return plan
+
+
+def _read(config: RunConfig, closing: CleanupStack) -> RunPlan:
+    """The mission and the profile of a run, from their files or from the journal of a run that continues."""
     mission = load_whole(config.mission) if isinstance(config.mission, str | Path) else config.mission
-    given, identity = config.robot, None
-    check_given(
-        given, (Robot, PythonRobot, RobotProgram, str, Path, NoneType), "a run",
-        "a Robot, a PythonRobot, or the file of either", "Robot.model_validate(…) makes one of data",
-    )  # fmt: skip
-    if isinstance(given, str | Path) and not is_program(given):
-        robot: Robot | None = load_whole_profile(given, mission)
-        identity = identity_folder(robot, given) if robot is not None else None
-    else:
-        robot = given if isinstance(given, Robot) else None
+    robot, identity = _read_robot(config, mission)
     resumed = None
     if config.resume is not None:
         from rai_missions.replay.open_run import open_run
@@ -127,20 +135,29 @@ def read_plan(config: RunConfig, closing: CleanupStack) -> RunPlan:
         resumed = open_run(config.resume, mission=mission, robot=robot, named=config.named, programs=config.programs)
         closing.closes(resumed.record.close)
         mission, robot = resumed.mission, robot or resumed.robot
-    if robot is not None and "world" in robot.connector and config.seed is not None:  # the journal has it with the rest
-        robot = robot.model_copy(update={"connector": {**robot.connector, "seed": config.seed}})
     if mission is None:
         raise UsageError("no mission was named, and no run to resume")
     given_mission(mission, "a run")
-    plan = RunPlan(config, mission, robot, identity, resumed)
-    file = config.mission if isinstance(config.mission, str | Path) else ""
-    plan.refuse(errors_of(mission, file, named=config.named), config.mission)
-    if resumed is None:
-        accepted(mission, config.arguments, whole=not config.waits)
-    if (chosen := open_python_robot(given, mission, resumed.robot if resumed is not None else None)) is not None:
-        plan = plan._replace(python=chosen.robot, robot=chosen.profile)
-    needed = mission.needed_facts() if resumed is None and config.connector is None else ()
-    if plan.robot is None and needed:
-        raise UsageError(f"the mission must receive {', '.join(needed)} from a robot, and none was given")
-    plan.refuse(missing(mission, plan.robot) if plan.robot is not None else (), config.robot)
-    return plan
+    if robot is not None and "world" in robot.connector and config.seed is not None:  # the journal has it with the rest
+        robot = robot.model_copy(update={"connector": {**robot.connector, "seed": config.seed}})
+    return RunPlan(config, mission, robot, identity, resumed)
+
+
+def _read_robot(config: RunConfig, mission: Mission | None) -> tuple[Robot | None, Path | None]:
+    """The profile that was given, unless it is a robot in Python, and the folder of its identity."""
+    given = config.robot
+    check_given(
+        given,
+        (Robot, PythonRobot, RobotProgram, str, Path, NoneType),
+        "a run",
+        "a Robot, a PythonRobot, or the file of either",
+        "Robot.model_validate(…) makes one of data",
+    )
+    if isinstance(given, str | Path) and not is_program(given):
+        robot = load_whole_profile(given, mission)
+        return robot, identity_folder(robot, given)
+    return given if isinstance(given, Robot) else None, None
+
+
+def _named_file(mission: Mission | str | Path | None) -> str | Path:
+    return mission if isinstance(mission, str | Path) else ""
