@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Protocol, Self, TypeVar, get_args, get_origin
 
@@ -59,7 +59,7 @@ def validated(model: type[M], data: Any, source: str = "") -> M:
         raise DefinitionError(faults_of(error, model, data), source) from None
 
 
-def faults_of(error: ValidationError, model: type[Any], data: Any, known: Iterable[str] = ()) -> Iterator[Fault]:
+def faults_of(error: ValidationError, model: type[Any], data: Any, known: Collection[str] = ()) -> Iterator[Fault]:
     """What a validation found, one fault a place and sentence.
 
     Args:
@@ -217,7 +217,7 @@ def _home(word: str, model: type[Any] | None) -> str:
     return homes[0] if len(homes) == 1 else ""
 
 
-def _other_form(word: str, model: type[Any] | None, known: Iterable[str]) -> str:
+def _other_form(word: str, model: type[Any] | None, known: Collection[str]) -> str:
     """How a field is called here, of which a word is the name in Python, or JSON's: `as`, which is `item` in Python."""
     fields = model.model_fields.items() if model is not None else ()
     python = next((name for name, field in fields if field.alias == word.rstrip("_") and name != word), "")
@@ -226,28 +226,16 @@ def _other_form(word: str, model: type[Any] | None, known: Iterable[str]) -> str
     return next((field.alias for name, field in fields if name == word and field.alias), "")
 
 
-def _sentence(item: Any, model: type[Any] | None, known: Iterable[str]) -> str:
+def _sentence(item: Any, model: type[Any] | None, known: Collection[str]) -> str:
     kind, given, ctx = item["type"], item["input"], item.get("ctx", {})
     if kind == "int_type" and item["loc"][-1] == "int":
         kind = "float_type"  # the first branch of `int | float`
     if "sentence" in ctx:
         return str(ctx["sentence"])
     if kind == "missing":
-        word = str(item["loc"][-1])
-        fields = model.model_fields.items() if model is not None else ()
-        name = next((name for name, field in fields if field.alias == word and name in known), word)
-        return f"'{name}' is missing; {_thing(model)} needs it"
+        return _missing(str(item["loc"][-1]), model, known)
     if kind == "extra_forbidden":
-        word = str(item["loc"][-1])
-        if meant := getattr(model, "meant", {}).get(word) or _other_form(word, model, known):
-            example = getattr(model, "example", "")
-            like = f", as in {example % meant}" if example else ""
-            return f"{_thing(model)} has no {shown(word)}; did you mean '{meant}'{like}?"
-        near, example = suggestion(word, tuple(known) or words_of(model)), getattr(model, "example", "")
-        if not near.endswith("?") and (home := _home(word, model)):
-            near = f"; it belongs in '{home}'"
-        like = f"; write it like {example % '<'}" if example and not near.endswith("?") else ""
-        return f"{_thing(model)} has no {shown(word)}{near}{like}"
+        return _unknown(str(item["loc"][-1]), model, tuple(known))
     if kind == "string_pattern_mismatch":
         return _misnamed(str(given), ctx.get("pattern", ""))
     if kind == "literal_error":
@@ -259,6 +247,28 @@ def _sentence(item: Any, model: type[Any] | None, known: Iterable[str]) -> str:
     if kind in BOUNDED:
         return BOUNDED[kind](given, ctx)
     return f"{shown(given)} does not belong here: {item['msg'][:1].lower()}{item['msg'][1:]}"
+
+
+def _missing(word: str, model: type[Any] | None, known: Collection[str]) -> str:
+    """A field that is needed, as its author would write it."""
+    fields = model.model_fields.items() if model is not None else ()
+    name = next((name for name, field in fields if field.alias == word and name in known), word)
+    return f"'{name}' is missing; {_thing(model)} needs it"
+
+
+def _unknown(word: str, model: type[Any] | None, known: tuple[str, ...]) -> str:
+    """A word that a model does not have, and the one that was meant, or where it belongs."""
+    example = getattr(model, "example", "")
+    if meant := getattr(model, "meant", {}).get(word) or _other_form(word, model, known):
+        like = f", as in {example % meant}" if example else ""
+        return f"{_thing(model)} has no {shown(word)}; did you mean '{meant}'{like}?"
+    near = suggestion(word, known or words_of(model))
+    if near.endswith("?"):
+        return f"{_thing(model)} has no {shown(word)}{near}"
+    if home := _home(word, model):
+        near = f"; it belongs in '{home}'"
+    like = f"; write it like {example % '<'}" if example else ""
+    return f"{_thing(model)} has no {shown(word)}{near}{like}"
 
 
 WANTED: Mapping[str, str] = {
