@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rai_missions.engine.activities.ticker import Status
+from rai_missions.engine.trees.deadline import DeadlineNode
 from rai_missions.engine.trees.node import FAILURE, INVALID, RUNNING, STATUSES, SUCCESS, CompiledNode
 from rai_missions.engine.trees.tick import Tick
 from rai_missions.guards.guard import Site, Test
@@ -36,6 +37,11 @@ REPORTS: Mapping[str, Mapping[Status, Status]] = {
 """What a decorator makes of each report of its child, where it is not the same."""
 
 
+def _as_its_child(decorator: Any) -> bool:
+    """Whether a decorator renews."""
+    return bool(decorator.child.renews)
+
+
 class CompiledConverter(CompiledNode):
     """Changes what its child reports.
 
@@ -45,16 +51,12 @@ class CompiledConverter(CompiledNode):
     """
 
     __slots__ = ("child", "reports")
+    renews = property(_as_its_child)
 
     def __init__(self, child: Any, reports: Mapping[Status, Status]) -> None:
         super().__init__((child,))
         self.child = child
         self.reports = {status: reports.get(status, status) for status in STATUSES.values()}
-
-    @property
-    def renews(self) -> bool:  # type: ignore[override]
-        """As its child does."""
-        return bool(self.child.renews)
 
     def tick(self, now: Tick) -> Status:
         child = self.child
@@ -94,17 +96,13 @@ class CompiledCount(CompiledNode):
 
     __slots__ = ("again", "child", "counted", "most", "rounds", "word")
     loops = True
+    renews = property(_as_its_child)
 
     def __init__(self, child: Any, most: int, again: Status, word: str) -> None:
         super().__init__((child,))
         self.child, self.most, self.again, self.word = child, most, again, word
         self.counted = most > 0
         self.rounds = 0
-
-    @property
-    def renews(self) -> bool:  # type: ignore[override]
-        """As its child does."""
-        return bool(self.child.renews)
 
     def tick(self, now: Tick) -> Status:
         child = self.child
@@ -131,7 +129,7 @@ class CompiledCount(CompiledNode):
         self.rounds = memory.get(self.word, 0)
 
 
-class CompiledTimeout(CompiledConverter):
+class CompiledTimeout(DeadlineNode):
     """Fails, and ends its child, at its deadline.
 
     Args:
@@ -139,34 +137,23 @@ class CompiledTimeout(CompiledConverter):
         duration_s: The seconds that the child may take.
     """
 
-    __slots__ = ("duration_s", "until")
-    role = "waits"
+    __slots__ = ("child", "duration_s")
+    renews = property(_as_its_child)
 
     def __init__(self, child: Any, duration_s: float) -> None:
-        super().__init__(child, {})
-        self.duration_s, self.until = duration_s, 0.0
+        super().__init__((child,))
+        self.child, self.duration_s = child, duration_s
 
     def tick(self, now: Tick) -> Status:
         child = self.child
         if self.status is not RUNNING:
-            self.until = now.sight.at + now.late_s + self.duration_s
-            now.waits.append(self)
+            self.begin(now.sight.at + now.late_s + self.duration_s, now)
         status = child.status if child.idle else child.tick(now)
         if status is RUNNING and now.sight.at >= self.until:
             child.stop(now)
             status = FAILURE
         self.idle = child.idle
         return self.become(status, now)
-
-    def memory(self) -> Mapping[str, Any] | None:
-        return {"status": RUNNING, "until": self.until} if self.status is RUNNING else super().memory()
-
-    def recall(self, memory: Mapping[str, Any]) -> None:
-        super().recall(memory)
-        self.until = memory.get("until", 0.0)
-
-    def deadline(self) -> float:
-        return self.until
 
 
 class CompiledEternalGuard(CompiledNode):

@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
 from rai_missions.engine.activities.ticker import Status
+from rai_missions.engine.trees.deadline import DeadlineNode
 from rai_missions.engine.trees.node import FAILURE, INVALID, RUNNING, SUCCESS, CompiledNode
 from rai_missions.engine.trees.tick import Tick
 from rai_missions.guards.guard import Site, Test, View
@@ -43,37 +44,25 @@ class CompiledCheck(CompiledNode):
         return status
 
 
-class CompiledWait(CompiledNode):
+class CompiledWait(DeadlineNode):
     """Runs for so many seconds.
 
     Args:
         wait_s: The seconds.
     """
 
-    __slots__ = ("until", "wait_s")
-    role = "waits"
+    __slots__ = ("wait_s",)
 
     def __init__(self, wait_s: float) -> None:
         super().__init__()
-        self.wait_s, self.until = wait_s, 0.0
+        self.wait_s = wait_s
 
     def tick(self, now: Tick) -> Status:
         if self.status is not RUNNING:
-            self.until = now.sight.at + self.wait_s
-            now.waits.append(self)
+            self.begin(now.sight.at + self.wait_s, now)
         status = SUCCESS if now.sight.at >= self.until else RUNNING
         self.idle = status is RUNNING
         return self.become(status, now)
-
-    def memory(self) -> Mapping[str, Any] | None:
-        return {"status": RUNNING, "until": self.until} if self.status is RUNNING else super().memory()
-
-    def recall(self, memory: Mapping[str, Any]) -> None:
-        super().recall(memory)
-        self.until = memory.get("until", 0.0)
-
-    def deadline(self) -> float:
-        return self.until
 
 
 class CompiledSet(CompiledNode):
