@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from rai_missions.worlds.orchard.path_follower import Follower
 from rai_missions.worlds.orchard.planner import Lattice, LatticePlace, PathSegment, straight
@@ -32,6 +32,15 @@ CROSSING_MPS = 1.2
 LOOKS_AGAIN_S = 0.6
 """Asked to drive on, it looks for so long whether the way is still blocked."""
 ENTERED_M = 3.0
+
+
+class AcceptedStretch(NamedTuple):
+    """What is driven over: whatever lies up to a line across the tractor's way."""
+
+    along: tuple[float, float]
+    """The way that the tractor was going, a unit vector."""
+    until_m: float
+    """Where the line is along it, from the origin."""
 
 
 class Autonomy:
@@ -58,7 +67,7 @@ class Autonomy:
         self._rough: set[int | None] = set()
         self._is_parked = True
         self._is_homing = False
-        self._accepted: tuple[float, float, float] | None = None
+        self._accepted: AcceptedStretch | None = None
         self._looks_s = 0.0
         self.word: Word = "CHANGING_PATH"
         self.pose = TractorPose(*lattice.layout.home, 0.0)
@@ -126,7 +135,7 @@ class Autonomy:
             return False
         self._tries[move.alley] += 1
         self._blocked.add(move.alley)
-        self._from_east[move.alley] = move.end.column == 3
+        self._from_east[move.alley] = move.end.is_west
         self._accepted, self._is_parked = None, False
         self._plan_next()
         self._publish()
@@ -234,7 +243,7 @@ class Autonomy:
         if rest is not None and not (move.ahead > 0 and move.alley in self._blocked):
             starts.append(((rest,), rest.end))
         if move.alley is not None and move.ahead > 0:
-            back = LatticePlace(7 - move.end.column, move.end.row, move.end.heading)
+            back = move.end.across()
             x, y = self._lattice.position(back)
             points = straight(self.pose.x, y, x, y, back.heading * math.pi / 2)
             starts.append(((PathSegment(points, -1, back, move.alley),), back))
@@ -243,7 +252,7 @@ class Autonomy:
     def _is_in_the_way(self) -> bool:
         if not self.watches or self.range_m is None or self.range_m >= self._stop_at_m:
             return False
-        return self._accepted is None or self._hit_m() > self._accepted[2]
+        return self._accepted is None or self._hit_m(self._accepted.along) > self._accepted.until_m
 
     def _waits(self) -> bool:
         """Whether someone is in the way where nothing should be: on a headland."""
@@ -256,10 +265,9 @@ class Autonomy:
             self.stop()
         return self._is_parked
 
-    def _hit_m(self) -> float:
-        """Where the nearest thing ahead is, along the tractor's way."""
-        way = self._accepted or (math.cos(self.pose.heading), math.sin(self.pose.heading), 0.0)
-        return self.pose.x * way[0] + self.pose.y * way[1] + NOSE_M + (self.range_m or 0.0)
+    def _hit_m(self, along: tuple[float, float]) -> float:
+        """Where the nearest thing ahead is, along a way."""
+        return self.pose.x * along[0] + self.pose.y * along[1] + NOSE_M + (self.range_m or 0.0)
 
     def _hand_over(self) -> tuple[float, float]:
         distance, move = self.range_m or 0.0, self._follower.move
@@ -277,12 +285,11 @@ class Autonomy:
 
     def _accept(self) -> None:
         if self.watches and self.range_m is not None and self.range_m < self._stop_at_m + 1.0:
-            way = (math.cos(self.pose.heading), math.sin(self.pose.heading))
-            self._accepted = (*way, 0.0)
-            self._accepted = (*way, self._hit_m() + ACCEPTED_BEYOND_M)
+            along = (math.cos(self.pose.heading), math.sin(self.pose.heading))
+            self._accepted = AcceptedStretch(along, self._hit_m(along) + ACCEPTED_BEYOND_M)
 
-    def _is_beyond(self, accepted: tuple[float, float, float]) -> bool:
-        return self.pose.x * accepted[0] + self.pose.y * accepted[1] - 1.0 > accepted[2]
+    def _is_beyond(self, accepted: AcceptedStretch) -> bool:
+        return self.pose.x * accepted.along[0] + self.pose.y * accepted.along[1] - 1.0 > accepted.until_m
 
     def _arrive(self) -> None:
         self._forget_home()

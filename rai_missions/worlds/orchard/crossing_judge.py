@@ -79,6 +79,7 @@ class CrossingJudge:
     Args:
         model: The compiled orchard.
         data: Its state.
+        tractor: Whose contacts, lift and tilt are measured.
         living: For each obstacle, whether it lives.
         limits_n: For each obstacle, the force that breaks it (N), or None.
     """

@@ -93,7 +93,7 @@ class ObstacleLooks:
 
 
 class ObstacleDetector:
-    """ObstacleLooks when something may be near.
+    """Reports the nearest obstacle, look by look.
 
     Args:
         sight: Measures what can be seen.

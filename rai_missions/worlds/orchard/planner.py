@@ -27,12 +27,28 @@ STEP = ((1, 0), (0, 1), (-1, 0), (0, -1))
 """Unit steps by heading: east, north, west, south."""
 
 
+WEST_MOUTH, EAST_MOUTH = 3, 4
+"""The columns of the alleys' mouths."""
+
+
 class LatticePlace(NamedTuple):
-    """A place of the lattice: column (0-3 west, 4-7 east, 3 and 4 are the mouths), row (two a alley), heading."""
+    """A place of the lattice, and how the tractor is turned there."""
 
     column: int
+    """0 to 3 are in the west, 4 to 7 in the east, from west to east."""
     row: int
+    """Two to an alley; the even ones are in its middle."""
     heading: int
+    """0 east, 1 north, 2 west, 3 south."""
+
+    @property
+    def is_west(self) -> bool:
+        """It is on the western headland."""
+        return self.column <= WEST_MOUTH
+
+    def across(self) -> LatticePlace:
+        """The place opposite, on the other headland."""
+        return self._replace(column=WEST_MOUTH + EAST_MOUTH - self.column)
 
 
 class PathSegment(NamedTuple):
@@ -73,11 +89,11 @@ class Lattice:
         return self._xs[place.column], place.row * self.layout.radius_m
 
     def mouth(self, alley: int, *, east: bool, heading: int) -> LatticePlace:
-        return LatticePlace(4 if east else 3, 2 * alley, heading)
+        return LatticePlace(EAST_MOUTH if east else WEST_MOUTH, 2 * alley, heading)
 
     def nearest(self, x: float, y: float) -> LatticePlace:
         """The place nearest to a point, looking east."""
-        column = min(range(8), key=lambda k: abs(self._xs[k] - x))
+        column = min(range(len(self._xs)), key=lambda k: abs(self._xs[k] - x))
         row = min(self._rows, key=lambda k: abs(k * self.layout.radius_m - y))
         return LatticePlace(column, row, 0)
 
@@ -117,7 +133,7 @@ class Lattice:
 
     def through(self, alley: int, start: LatticePlace) -> PathSegment:
         """From one mouth of an alley (or of a lane next to the orchard) to the other, forwards."""
-        (x, y), end = self.position(start), LatticePlace(7 - start.column, start.row, start.heading)
+        (x, y), end = self.position(start), start.across()
         points = straight(x, y, self._xs[end.column], y, start.heading * math.pi / 2)
         return PathSegment(points, 1, end, alley if 0 <= alley < self.layout.alleys else None)
 
@@ -126,7 +142,7 @@ class Lattice:
         if place not in self._turns:  # every way leads past the same places
             self._turns[place] = tuple((move, move.length_m) for move in self._on_headland(place))
         yield from self._turns[place]
-        into = (place.column, place.heading) in ((3, 0), (4, 2))
+        into = (place.column, place.heading) in ((WEST_MOUTH, 0), (EAST_MOUTH, 2))
         alley = place.row // 2
         if into and place.row % 2 == 0 and -1 <= alley <= self.layout.alleys and passable(alley):
             move = self.through(alley, place)
@@ -165,7 +181,7 @@ class Lattice:
         )
 
     def _exists(self, place: LatticePlace, end: LatticePlace) -> bool:
-        same_side = (place.column < 4) == (end.column < 4) and 0 <= end.column < 8
+        same_side = place.is_west == end.is_west and 0 <= end.column < len(self._xs)
         return same_side and end.row in self._rows
 
 
