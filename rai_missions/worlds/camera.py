@@ -74,6 +74,11 @@ class Camera:
         self._paint = paint
         self._renderers = Renderers(model, paint)
 
+    @classmethod
+    def aligned(cls, model: Any) -> Camera:
+        """A camera whose depth and segmentation are as large as its pictures, pixel by pixel."""
+        return cls(model, frame_width=640, frame_height=480)
+
     def twin(self, model: Any) -> Camera:
         """Another camera with pictures of the same sizes, in another world; it has renderers of its own."""
         height, width = self._frame_size

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from concurrent.futures import Future
 from functools import partial
 from typing import Any, ClassVar, Self
@@ -30,11 +30,9 @@ class Simulation:
         model: Compiled.
         outbox: Where messages wait until a step is over.
         battery: The robot's; None where it has none.
-        camera: Whether there is one.
+        camera: The robot's; None where it has none.
         start_s: What the clock shows at the start.
         timestep_s: Of the physics.
-        aligned: Depth and segmentation are as large as the camera's pictures.
-        paint: Gives the model what is only seen, when the camera is first looked through.
     """
 
     period_s = 0.05
@@ -43,14 +41,13 @@ class Simulation:
     LEADS_OUT: ClassVar = {"_closes": list}
 
     def __init__(
-        self, model: Any, outbox: Outbox, battery: Battery | None, *, camera: bool, start_s: float, timestep_s: float,
-        aligned: bool = False, paint: Callable[[Any], None] = lambda model: None,
+        self, model: Any, outbox: Outbox, battery: Battery | None, *, camera: Camera | None, start_s: float,
+        timestep_s: float,
     ) -> None:  # fmt: skip
         self.model, self.data = model, mujoco.MjData(model)
         if battery is not None:
             self.battery = battery
-        size: dict[str, Any] = {"frame_width": 640, "frame_height": 480} if aligned else {}
-        self.camera = Camera(model, paint=paint, **size) if camera else None
+        self.camera = camera
         self.substeps = round(self.period_s / timestep_s)
         self._outbox = outbox
         self._steps, self._start_s = 0, start_s

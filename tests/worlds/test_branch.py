@@ -86,7 +86,7 @@ LEFT_OUT: dict[str, Callable[[Any, Any], None]] = {
     "the judge": lambda branch, fresh: setattr(branch.judge, "crossing", None),
     "what was sent": lambda branch, fresh: branch._outbox._sent.clear(),
     "the steps": lambda branch, fresh: setattr(branch, "_steps", 0),
-    "the walker": lambda branch, fresh: branch._walkers.update(fresh._walkers),
+    "the walker": lambda branch, fresh: branch._walkers._walkers.update(fresh._walkers._walkers),
 }
 
 

@@ -14,6 +14,7 @@ import mujoco
 
 from rai_missions.connectors.connector import Answer, Connector
 from rai_missions.worlds import messages
+from rai_missions.worlds.camera import Camera
 from rai_missions.worlds.desk import arm, interface
 from rai_missions.worlds.desk.arm import Arm
 from rai_missions.worlds.desk.catalogue import COLOURS, lookalikes
@@ -71,9 +72,10 @@ class Desk(Simulation):
         errors = LookErrors.of(detector)
         self.objects = desk_objects(scene, seed)
         wrong = DeskFaults.of(faults, [one.name for one in self.objects])
+        model = build(self.objects, fragment())
         super().__init__(
-            build(self.objects, fragment()), Outbox("", {**interface.TOPICS, **arm.TOPICS}), None,
-            camera=camera, start_s=start_s, timestep_s=TIMESTEP_S, aligned=True,
+            model, Outbox("", {**interface.TOPICS, **arm.TOPICS}), None,
+            camera=Camera.aligned(model) if camera else None, start_s=start_s, timestep_s=TIMESTEP_S,
         )  # fmt: skip
         self.arm = Arm(self.model, self.data)
         settle(self.model, self.data, self.objects)

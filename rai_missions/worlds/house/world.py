@@ -17,6 +17,7 @@ from rai_missions.connectors.connector import Answer, Connector, Message
 from rai_missions.errors import UsageError
 from rai_missions.worlds import messages
 from rai_missions.worlds.battery import Battery
+from rai_missions.worlds.camera import Camera
 from rai_missions.worlds.detector_services import DetectorServices
 from rai_missions.worlds.frame_history import FrameHistory
 from rai_missions.worlds.house import interface
@@ -94,9 +95,10 @@ class House(Simulation):
         words = read_scene(scene)
         self.objects = place_objects(seed, words.get("objects") if objects is None else objects)
         here = residents(seed, words.get("people", 0) if people is None else people)
+        model = build(self.objects, here)
         super().__init__(
-            build(self.objects, here), outbox, energy, camera=camera, start_s=start_s,
-            timestep_s=TIMESTEP_S, aligned=True,
+            model, outbox, energy, camera=Camera.aligned(model) if camera else None,
+            start_s=start_s, timestep_s=TIMESTEP_S,
         )  # fmt: skip
         self.rosbot = Rosbot(self.model, self.data)
         self.doors = Doors(self.model, self.data, blocked)

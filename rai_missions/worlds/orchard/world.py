@@ -18,11 +18,11 @@ from rai_missions.connectors.connector import Answer, Connector
 from rai_missions.errors import UsageError
 from rai_missions.worlds import messages
 from rai_missions.worlds.battery import Battery
+from rai_missions.worlds.camera import Camera
 from rai_missions.worlds.options import check_number
 from rai_missions.worlds.orchard import interface, scene, textures
 from rai_missions.worlds.orchard.actions import Cross, NavigateToPose
 from rai_missions.worlds.orchard.alley_counter import AlleyCounter
-from rai_missions.worlds.orchard.attendant import Attendant
 from rai_missions.worlds.orchard.autonomy import STOP_AT_M, Autonomy
 from rai_missions.worlds.orchard.conditions import Conditions
 from rai_missions.worlds.orchard.crossing_judge import CrossingJudge
@@ -30,21 +30,18 @@ from rai_missions.worlds.orchard.detector import ObstacleDetector, ObstacleError
 from rai_missions.worlds.orchard.extents import Extents
 from rai_missions.worlds.orchard.kinds import KINDS
 from rai_missions.worlds.orchard.layout import Layout
-from rai_missions.worlds.orchard.obstacles import Obstacle, Walker, place
+from rai_missions.worlds.orchard.obstacles import place
 from rai_missions.worlds.orchard.planner import Lattice
 from rai_missions.worlds.orchard.range_sensor import Beams
 from rai_missions.worlds.orchard.sight import GeometrySight, PixelSight
 from rai_missions.worlds.orchard.tractor import Tractor, TractorPose
+from rai_missions.worlds.orchard.walkers import Walkers
 from rai_missions.worlds.publish_queue import Outbox
 from rai_missions.worlds.simulation import Simulation
 
 __all__ = ("Orchard",)
 
-AUDIBLE_M = 15.0
-"""How far the horn carries."""
 HOME_M = 1.5
-MEADOW_M = 40.0
-"""Where what is carried away is laid, off the orchard's corner."""
 SEEN_S = 0.6
 """An obstacle detected so lately is seen."""
 FREE_S = 2.5
@@ -97,11 +94,11 @@ class Orchard(Simulation):
         check_number("stop_at_m", stop_at_m, 0, 100)
         self.layout = Layout(alleys, length_m)
         self.obstacles = place(seed, self.layout, obstacles)
+        model = scene.build(self.layout, self.obstacles, shadows=shadows, conditions=Conditions.of(conditions))
         super().__init__(
-            scene.build(self.layout, self.obstacles, shadows=shadows, conditions=Conditions.of(conditions)),
-            Outbox(f"/{robot}", interface.TOPICS),
-            Battery.of(battery), camera=camera, start_s=start_s, timestep_s=scene.TIMESTEP_S,
-            paint=textures.paint,
+            model, Outbox(f"/{robot}", interface.TOPICS), Battery.of(battery),
+            camera=Camera(model, paint=textures.paint) if camera else None,
+            start_s=start_s, timestep_s=scene.TIMESTEP_S,
         )  # fmt: skip
         self.tractor = Tractor(self.model, self.data)
         self.judge = CrossingJudge(
@@ -114,11 +111,9 @@ class Orchard(Simulation):
         self._bodies = [self.model.body(f"obstacle_{n}").id for n in range(len(self.obstacles))]
         self._detector = self._new_detector(ObstacleErrors.of(detector), seed, sight)
         self._beams = Beams(self.model, self.data)
-        self._walkers = {n: self._walker(o) for n, o in enumerate(self.obstacles) if o.living}
+        self._walkers = Walkers(self.model, self.data, self.layout, self.obstacles, self._bodies)
         self._range_m: float | None = None
         self._saw_at, self._bumps = -math.inf, 0
-        self._idle: set[int] = set()
-        """The workers who have fetched what they attended to."""
         self._home = NavigateToPose(self.autonomy, self._outbox.add, start_s, lattice)
         self._cross = Cross(self.autonomy, self._outbox.add, start_s, self.judge)
 
@@ -137,11 +132,6 @@ class Orchard(Simulation):
         if self._detector is not None:
             extents = Extents(self.model, self.data, self._bodies)
             self._detector.look_by(GeometrySight(extents, len(self._bodies)))
-
-    def _walker(self, living: Obstacle) -> Walker:
-        if living.attends is None:
-            return Walker(living, self.layout)
-        return Attendant(living, self.layout, self.obstacles[living.attends])
 
     @property
     def pose(self) -> TractorPose:
@@ -190,7 +180,8 @@ class Orchard(Simulation):
         """Go one period on: drive, let physics happen, look, and publish what happened."""
         with self._outbox.lock:
             self._drive()
-            self._move_the_living()
+            if self._walkers.step(self.at, self.period_s, self.pose[:2]):
+                self.judge.leave()
             self._let_physics_happen()
             self._steps += 1
             self._account()
@@ -207,26 +198,6 @@ class Orchard(Simulation):
             self.autonomy.stop()
         speed, curvature = self.autonomy.step(pose, self._range_m, self.period_s)
         self.tractor.command(speed, curvature, self.period_s)
-
-    def _move_the_living(self) -> None:
-        here = self.pose[:2]
-        for number, walker in self._walkers.items():
-            if walker.step(self.at, self.period_s, here):
-                mocap = self.model.body_mocapid[self._bodies[number]]
-                self.data.mocap_pos[mocap] = walker.x, walker.y, 0.0
-                half = walker.heading / 2
-                self.data.mocap_quat[mocap] = math.cos(half), 0.0, 0.0, math.sin(half)
-            if isinstance(walker, Attendant) and walker.has_fetched and number not in self._idle:
-                self._idle.add(number)
-                self._carry_away(walker.obstacle.attends or 0)
-
-    def _carry_away(self, number: int) -> None:
-        """Lay a thing at the edge of the meadow."""
-        joint = self.model.body_jntadr[self._bodies[number]]
-        first, dof = self.model.jnt_qposadr[joint], self.model.jnt_dofadr[joint]
-        self.data.qpos[first : first + 2] = -MEADOW_M, -MEADOW_M - 3.0 * number
-        self.data.qvel[dof : dof + 6] = 0.0
-        self.judge.leave()
 
     def _let_physics_happen(self) -> None:
         """Where something may touch, contacts are looked at in finer steps, so that none is missed."""
@@ -325,10 +296,7 @@ class Orchard(Simulation):
         return messages.trigger(True, interface.STATE_MESSAGES[self.autonomy.word])
 
     def _flash(self, _request: Any) -> dict[str, Any]:
-        pose = self.pose
-        for walker in self._walkers.values():
-            if math.dist((walker.x, walker.y), pose[:2]) < AUDIBLE_M:
-                walker.signal(pose.x)
+        self._walkers.signal(self.pose[:2])
         return messages.trigger(True, "Flashing triggered.")
 
     def harm(self) -> str:
