@@ -25,7 +25,7 @@ from rai_missions.engine.decision import Evidence, Question, Verdict
 from rai_missions.event import Event
 from rai_missions.redaction import Redaction, cut, redacted
 
-__all__ = ("AskSettings", "kept", "question_record", "raw_text", "shown_question")
+__all__ = ("CellAsker", "kept", "question_record", "raw_text", "shown_question")
 
 MILLION = 1_000_000
 LONGEST = 20_000
@@ -63,8 +63,8 @@ def question_record(asked: AskedScene, embodiment: str, body: RobotView) -> Ques
     )  # fmt: skip
 
 
-class AskSettings(NamedTuple):
-    """How cells are asked in a worker."""
+class CellAsker(NamedTuple):
+    """Asks the cells of a worker."""
 
     file: CampaignFile
     models: CampaignModels

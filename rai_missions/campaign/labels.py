@@ -15,7 +15,7 @@ from rai_missions.campaign.scenes import CampaignScene
 from rai_missions.errors import UsageError
 from rai_missions.worlds.orchard.trial import Trial, try_options
 
-__all__ = ("Label", "best_options", "label", "verdict_of")
+__all__ = ("Label", "best_options", "label", "labels_in", "verdict_of")
 
 TRIALS: Mapping[str, Callable[[Mapping[str, Any]], Mapping[str, Trial]]] = {"orchard": try_options}
 """World → what tries each option of its decision."""
@@ -38,9 +38,18 @@ def label(scene: CampaignScene) -> dict[str, Label]:
     Raises:
         UsageError: Nothing tries options in its world.
     """
-    if scene.world not in TRIALS:
-        raise UsageError(f"nothing tries options in the world '{scene.world}', but in: {', '.join(TRIALS)}")
-    trials = TRIALS[scene.world](scene.spec["options"])
+    return labels_in(scene.world, scene.spec["options"])
+
+
+def labels_in(world: str, options: Mapping[str, Any]) -> dict[str, Label]:
+    """As `label`, of a world that is built from these options.
+
+    Raises:
+        UsageError: Nothing tries options in this world.
+    """
+    if world not in TRIALS:
+        raise UsageError(f"nothing tries options in the world '{world}', but in: {', '.join(TRIALS)}")
+    trials = TRIALS[world](options)
     return {option: Label(verdict_of(trial), asdict(trial)) for option, trial in trials.items()}
 
 

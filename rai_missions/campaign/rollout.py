@@ -174,7 +174,7 @@ def rollout(
     world = decision.world.branch()
     if not renders and isinstance(world, MeasuresGeometry):
         world.look_by_geometry()
-    branch = WatchedBranch(world, longest_s, answers_more=bool(later))
+    branch = WatchedBranch(world, option, longest_s, offered=offered, answers_more=bool(later))
     try:
         runner = Runner(
             chart.mission, robot=decision.robot, connector=branch.connector, answerers=later,
@@ -186,7 +186,7 @@ def rollout(
         result = runner.run()
         if branch.refusal:
             raise UsageError(f"'{option}' cannot be tried in '{question.state}': {branch.refusal}")
-        return branch.rollout(option, offered=offered, outcome=result.outcome, why=result.why, states=result.state)
+        return branch.rollout(outcome=result.outcome, why=result.why, states=result.state)
     finally:
         branch.world.close()
 
@@ -196,12 +196,17 @@ class WatchedBranch:
 
     Args:
         world: The branch.
+        option: What is tried.
         longest_s: Simulated seconds that the rollout may take.
+        offered: The mission offers the option.
         answers_more: Later questions are answered.
     """
 
-    def __init__(self, world: Branchable, longest_s: float, *, answers_more: bool) -> None:
+    def __init__(
+        self, world: Branchable, option: str, longest_s: float, *, offered: bool, answers_more: bool
+    ) -> None:  # fmt: skip
         self.world, self.period_s = world, world.period_s
+        self._option, self._offered = option, offered
         self.connector = LocalConnector(now=lambda: world.at)
         world.open(self.connector)
         self.connector.start()
@@ -210,7 +215,6 @@ class WatchedBranch:
         self._known, self._work = world.harm(), world.work_done()
         self._ending: Ending = "mission"
         self._over: Rollout | None = None
-        self._states: tuple[str, ...] = ()
         self._judged = False
         self.refusal = ""
         """Why the mission refused the option; empty where it took it."""
@@ -250,14 +254,21 @@ class WatchedBranch:
         harm = self._new_harm()
         verdict: OptionVerdict = "harms" if harm else "completes" if outcome == "succeeded" else "harmless"
         return Rollout(
-            "", verdict, self._ending, True, outcome, harm or why, (), round(self.world.at - self._began, 3),
-            round(self.world.work_done() - self._work, 6), dict(self.world.measures()),
+            self._option, verdict, self._ending, self._offered, outcome, harm or why, (),
+            round(self.world.at - self._began, 3), round(self.world.work_done() - self._work, 6),
+            dict(self.world.measures()),
         )  # fmt: skip
 
-    def rollout(self, option: str, *, offered: bool, outcome: str, why: str, states: tuple[str, ...]) -> Rollout:
-        """What came of it, once the run has ended."""
+    def rollout(self, *, outcome: str, why: str, states: tuple[str, ...]) -> Rollout:
+        """What came of it, once the run has ended.
+
+        Args:
+            outcome: How the mission ended; empty where it did not.
+            why: The rule that ended it.
+            states: The active states at its end.
+        """
         found = self._over if self._over is not None else self._found(outcome=outcome, why=why)
-        return found._replace(option=option, offered=offered, states=states)
+        return found._replace(states=states)
 
 
 def rules_of(robot: Robot, mission: Mission) -> dict[str, Answerer]:

@@ -11,9 +11,9 @@ import threading
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from rai_missions.campaign.asking import AskSettings, question_record
+from rai_missions.campaign.asking import CellAsker, question_record
 from rai_missions.campaign.budget import CallPace
 from rai_missions.campaign.cells import Cell
 from rai_missions.campaign.embodiments import embodied
@@ -95,7 +95,7 @@ class Workplace:
         bodies = {name: embodied(name, subject.identity, subject.text) for name in file.embodiments}
         paces = {name: CallPace(rate, settings.workers) for name, rate in file.rates.items()}
         recorded = _recorded(Path(settings.recorded)).get if settings.recorded else None
-        self._asking = AskSettings(file, models, paces, bodies, self.is_over, recorded)
+        self._asker = CellAsker(file, models, paces, bodies, self.is_over, recorded)
 
     def __enter__(self) -> Workplace:
         return self
@@ -108,11 +108,11 @@ class Workplace:
         if self.is_over.is_set() or not (task.cells or task.rates):
             return
         labels = dict(task.labels)
-        if task.rates and self._asking.file.labels == "trials":
+        if task.rates and self._asker.file.labels == "trials":
             tried = _tried(task.scene)
             labels.update({each.option: each.verdict for each in tried if isinstance(each, LabelRecord)})
             yield from tried
-        if task.cells or self._asking.file.labels == "rollouts":
+        if task.cells or self._asker.file.labels == "rollouts":
             yield from self._in_scene(task, labels)
 
     def _in_scene(self, task: SceneTask, labels: dict[str, str]) -> Iterator[TaskRecord]:
@@ -135,14 +135,14 @@ class Workplace:
         if asked.decision is not None:
             asked.decision.world.close()
         for key, cell in task.cells:
-            record = self._asking.ask(key, cell, asked, labels)
+            record = self._asker.ask(key, cell, asked, labels)
             if record is None:
                 return
             yield record
 
     def _rolled_out(self, asked: AskedScene) -> Iterator[LabelRecord | UnlabelledScene]:
         """The labels of a scene's options, where the campaign wants them; why they lack where one cannot be tried."""
-        if self._asking.file.labels != "rollouts":
+        if self._asker.file.labels != "rollouts":
             return
         if asked.decision is None:
             needs = "branch, harm, measures and work_done"
@@ -150,7 +150,7 @@ class Workplace:
                 asked.scene.scene, f"nothing is rolled out in the world '{asked.scene.world}': that needs {needs}"
             )
             return
-        wanted = self._asking.file.rollouts
+        wanted = self._asker.file.rollouts
         later = {**wanted.later, **later_of(asked.scene.spec)}
         try:
             found = rollouts(
@@ -165,7 +165,7 @@ class Workplace:
             yield LabelRecord(asked.scene.scene, option, each.verdict, details)
 
     def _shown(self, asked: AskedScene, task: SceneTask) -> Iterator[TaskRecord]:
-        for name, body in self._asking.bodies.items():
+        for name, body in self._asker.bodies.items():
             yield question_record(asked, name, body)
         for name, image in asked.pictures.items():
             file = image.file(level=SMALL)
@@ -175,13 +175,10 @@ class Workplace:
 
 def _tried(scene: SceneRecord) -> list[LabelRecord] | list[UnlabelledScene]:
     """The labels that physics alone gives, without the mission; why there is none where nothing asks for a decision."""
-    from rai_missions.campaign.labels import label  # loads the world
-    from rai_missions.campaign.scenes import CampaignScene
+    from rai_missions.campaign.labels import labels_in  # loads the world
 
-    split: Any = scene.split
-    given = CampaignScene(scene.scene, scene.world, scene.kind, scene.seed, split, json.loads(scene.spec))
     try:
-        found = label(given)
+        found = labels_in(scene.world, json.loads(scene.spec)["options"])
     except UsageError as error:
         return [UnlabelledScene(scene.scene, str(error))]
     return [

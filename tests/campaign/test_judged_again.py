@@ -19,7 +19,7 @@ from langchain_core.messages import AIMessage
 
 from rai_missions.answerers.model.chat import ThreadChat
 from rai_missions.answerers.test_models import ScriptedModel
-from rai_missions.campaign.asking import LONGEST, AskSettings
+from rai_missions.campaign.asking import LONGEST, CellAsker
 from rai_missions.campaign.cells import Cell
 from rai_missions.campaign.embodiments import embodied
 from rai_missions.campaign.load import LoadedCampaign, load_campaign
@@ -90,7 +90,7 @@ def ask(asked: Asked, model: str, answer: Any, recorded: CellRecord | None = Non
     cell = Cell("choosing", scene.scene.scene, 0, model, "none", "written")
     bodies = {"none": embodied("none", loaded.subject.identity, loaded.subject.text)}
     with CampaignModels(file, loaded.subject.robot, {}, open_chat=lambda _: chat) as models:
-        asking = AskSettings(file, models, {}, bodies, threading.Event(), recorded and (lambda _: recorded))
+        asking = CellAsker(file, models, {}, bodies, threading.Event(), recorded and (lambda _: recorded))
         record = asking.ask("key", cell, scene, LABELS)
     assert record is not None
     return record

@@ -19,7 +19,7 @@ from rai_missions.agents.run_config import RunConfig
 from rai_missions.answerers.model.chat import ThreadChat
 from rai_missions.answerers.script import ScriptAnswerer
 from rai_missions.answerers.test_models import RaisingModel, ScriptedModel, WordyModel
-from rai_missions.campaign.asking import LONGEST, AskSettings, kept, raw_text
+from rai_missions.campaign.asking import LONGEST, CellAsker, kept, raw_text
 from rai_missions.campaign.cells import Cell
 from rai_missions.campaign.embodiments import RobotView
 from rai_missions.campaign.file import RolloutEntry
@@ -53,7 +53,7 @@ def answer_of(
     """The record of a cell with that model."""
     file = loaded.file.model_copy(update=words)
     with CampaignModels(file, loaded.subject.robot, {}, open_chat=lambda name: ThreadChat(model)) as models:
-        asking = AskSettings(file, models, {}, {"none": RobotView()}, threading.Event())
+        asking = CellAsker(file, models, {}, {"none": RobotView()}, threading.Event())
         record = asking.ask("key", cell, asked, LABELS)
     assert record is not None
     return record
@@ -119,7 +119,7 @@ def test_no_call_is_begun_once_the_campaign_is_over(loaded: LoadedCampaign, aske
     over, model = threading.Event(), ScriptedModel([])
     over.set()
     with CampaignModels(loaded.file, loaded.subject.robot, {}, open_chat=lambda name: ThreadChat(model)) as models:
-        asking = AskSettings(loaded.file, models, {}, {"none": RobotView()}, over)
+        asking = CellAsker(loaded.file, models, {}, {"none": RobotView()}, over)
         assert asking.ask("key", CELL, asked, LABELS) is None
     assert model.received == []
 

@@ -15,7 +15,7 @@ from rai_missions.answerers.model.chat import Abilities, Absent, Chat, Conversat
 from rai_missions.answerers.model.pending import PendingQuestion
 from rai_missions.answerers.model.providers import open_model
 from rai_missions.answerers.test_models import ScriptedModel
-from rai_missions.campaign.asking import LONGEST_PAUSE_S, AskSettings
+from rai_missions.campaign.asking import LONGEST_PAUSE_S, CellAsker
 from rai_missions.campaign.embodiments import RobotView
 from rai_missions.campaign.load import LoadedCampaign
 from rai_missions.campaign.models import CampaignModels
@@ -52,7 +52,7 @@ def answered(loaded: LoadedCampaign, asked: AskedScene, chat: Chat) -> tuple[Cel
     """The record of a cell, asked three times at the most, and the pauses before it was asked again."""
     file, never = loaded.file.model_copy(update={"retries": 2}), PatientEvent()
     with CampaignModels(file, loaded.subject.robot, {}, open_chat=lambda name: chat) as models:
-        record = AskSettings(file, models, {}, {"none": RobotView()}, never).ask("key", CELL, asked, LABELS)
+        record = CellAsker(file, models, {}, {"none": RobotView()}, never).ask("key", CELL, asked, LABELS)
     assert record is not None
     return record, never.waits
 
@@ -97,7 +97,7 @@ def test_what_was_used_before_a_pause_counts_where_the_budget_is_spent_in_it(
     with CampaignModels(
         file, loaded.subject.robot, {}, open_chat=lambda name: ThreadChat(server.model())
     ) as models:  # fmt: skip
-        record = AskSettings(file, models, {}, {"none": RobotView()}, over).ask("key", CELL, asked, LABELS)
+        record = CellAsker(file, models, {}, {"none": RobotView()}, over).ask("key", CELL, asked, LABELS)
     assert record is not None and over.waits == [17.0]
     assert (record.status, record.calls) == ("failed", 1) and "429" in record.error
 
