@@ -64,9 +64,22 @@ def small(given: str, *, bold: bool = False, color: str = MUTED, limit: float = 
     return text(given, 9, bold=bold, color=color, limit=limit, name=name)
 
 
-def table(rows: Iterable[str], more: str = 'border="0" cellborder="0" cellspacing="0" cellpadding="1"') -> str:
-    """An HTML-like label of rows; never without any, which Graphviz would refuse."""
-    return f"<<table {more}>{''.join(rows) or '<tr><td></td></tr>'}</table>>"
+PLAIN = 'border="0" cellborder="0" cellspacing="0" cellpadding="1"'
+
+
+def table(rows: Iterable[str], more: str = PLAIN) -> str:
+    """An HTML-like label of rows."""
+    return f"<{inner_table(rows, more)}>"
+
+
+def inner_table(rows: Iterable[str], more: str = PLAIN) -> str:
+    """A table inside a cell; never without rows, which Graphviz would refuse."""
+    return f"<table {more}>{''.join(rows) or '<tr><td></td></tr>'}</table>"
+
+
+def field_rows(fields: Sequence[str], *, side_by_side: bool) -> str:
+    """Cells in one row, or in a row each."""
+    return f"<tr>{''.join(fields)}</tr>" if side_by_side else "".join(f"<tr>{field}</tr>" for field in fields)
 
 
 def marked(mark: str, text: str) -> str:
@@ -105,10 +118,10 @@ def _below(node: PictureNode, staying: Sequence[PictureEdge], limit: float = LIN
         yield small("the run ended here", bold=True, color=INK, limit=limit)
 
 
-def _head(node: PictureNode, word: str, staying: Sequence[PictureEdge]) -> str:
+def _head(node: PictureNode, word: str, staying: Sequence[PictureEdge]) -> list[str]:
     """What is on every state that is drawn as a box: its name, what it runs and all that holds for it."""
     rows = [_name(node), text(node.title or word, 10)]
-    return table([*rows, *(small(line) for line in (node.about, *node.lines)), *_below(node, staying)])
+    return [*rows, *(small(line) for line in (node.about, *node.lines)), *_below(node, staying)]
 
 
 def state_table(node: PictureNode, staying: Sequence[PictureEdge] = ()) -> str:
@@ -117,7 +130,7 @@ def state_table(node: PictureNode, staying: Sequence[PictureEdge] = ()) -> str:
         return table(
             [text("H*" if node.outcome == "deep" else "H", 12, bold=True), small(marked(node.mark, node.name))]
         )
-    return _head(node, look_of(node).word, staying)
+    return table(_head(node, look_of(node).word, staying))
 
 
 def _choice(choice: Choice, *, limit: float) -> str:
@@ -130,7 +143,7 @@ def _choice(choice: Choice, *, limit: float) -> str:
         rows.append(small("fallback, always open", bold=True, color=INK, limit=limit))
     if choice.parameters:
         rows.append(small(f"with {', '.join(choice.parameters)}", limit=limit))
-    return table(rows)[1:-1]
+    return inner_table(rows)
 
 
 def decision_table(node: PictureNode, staying: Sequence[PictureEdge] = (), *, bold: bool = False) -> str:
@@ -151,10 +164,9 @@ def decision_table(node: PictureNode, staying: Sequence[PictureEdge] = (), *, bo
     head += list(_below(node, staying, wide))
     pen = MARKS[node.mark][0] if node.mark else look.pen
     fields = [_field(choice, node.fallback, COLUMN if side_by_side else LINE * 1.6) for choice in node.choices]
-    header = f'<tr><td {span} bgcolor="{look.fill}" sides="b" border="1">{table(head)[1:-1]}</td></tr>'
-    body = f"<tr>{''.join(fields)}</tr>" if side_by_side else "".join(f"<tr>{field}</tr>" for field in fields)
+    header = f'<tr><td {span} bgcolor="{look.fill}" sides="b" border="1">{inner_table(head)}</td></tr>'
     more = f'border="{4 if bold else 2}" color="{pen}" bgcolor="#FFFFFF" cellborder="1" cellspacing="0" cellpadding="3"'
-    return table([header, body], more)
+    return table([header, field_rows(fields, side_by_side=side_by_side)], more)
 
 
 def _field(choice: Choice, fallback: str, limit: float) -> str:
@@ -164,6 +176,11 @@ def _field(choice: Choice, fallback: str, limit: float) -> str:
 
 
 def cluster_table(node: PictureNode, staying: Sequence[PictureEdge] = ()) -> str:
+    """The title of a state that holds others."""
+    return table(_title(node, staying))
+
+
+def _title(node: PictureNode, staying: Sequence[PictureEdge]) -> list[str]:
     """The title of a state that holds others, or a tree."""
     word = "region" if node.region else {"states": "", "parallel": "all at once"}.get(node.kind, look_of(node).word)
     return _head(node, word, staying)
@@ -180,7 +197,7 @@ def tree_table(node: PictureNode, staying: Sequence[PictureEdge] = (), *, bold: 
     look = LOOKS["tree"]
     pen = MARKS[node.mark][0] if node.mark else look.pen
     trees = "".join(f"<tr><td>{_branch(root, below)}</td></tr>" for root in below[None])
-    head = f'<tr><td align="left">{cluster_table(node, staying)[1:-1]}</td></tr>'
+    head = f'<tr><td align="left">{inner_table(_title(node, staying))}</td></tr>'
     more = f'border="{4 if bold else 2}" color="{pen}" bgcolor="{look.fill}" cellborder="0" cellspacing="0"'
     return table([head, trees], f'{more} cellpadding="3"')
 
@@ -192,7 +209,7 @@ def _branch(twig: Twig, below: Mapping[str | None, Sequence[Twig]]) -> str:
     if children:
         cells = "".join(f'<td valign="top">{_branch(child, below)}</td>' for child in children)
         rows.append(f"<tr>{cells}</tr>")
-    return table(rows, 'border="0" cellborder="0" cellspacing="3" cellpadding="0"')[1:-1]
+    return inner_table(rows, 'border="0" cellborder="0" cellspacing="3" cellpadding="0"')
 
 
 def _twig_look(twig: Twig) -> str:
@@ -213,7 +230,7 @@ def _twig_text(twig: Twig) -> str:
         guard = f" when {choice.guard}" if choice.guard else ""
         last = ", fallback" if choice.fallback else ""
         rows.append(small(f"• {marked(choice.mark, choice.name)}{guard}{last}", color=INK, limit=COLUMN))
-    return table(rows)[1:-1]
+    return inner_table(rows)
 
 
 def tab_table(node: PictureNode) -> str:
@@ -250,11 +267,14 @@ def anywhere_table(rows: Sequence[tuple[str, PictureEdge]]) -> str:
         inner += (
             [small(f"taken {edge.taken.words()}", bold=True, color=INK)] if edge.taken.times and not edge.target else []
         )
-        fields.append(f'<td port="{port}">{table(inner)[1:-1]}</td>')
+        fields.append(f'<td port="{port}">{inner_table(inner)}</td>')
     span = f'colspan="{len(rows)}"' if side_by_side else ""
-    header = f'<tr><td {span} bgcolor="#EDEDED">{table([text("from every state", 11, bold=True)])[1:-1]}</td></tr>'
-    body = f"<tr>{''.join(fields)}</tr>" if side_by_side else "".join(f"<tr>{field}</tr>" for field in fields)
-    return table([header, body], 'border="1" cellborder="1" cellspacing="0" cellpadding="3" color="#5A5A5A"')
+    title = [text("from every state", 11, bold=True)]
+    header = f'<tr><td {span} bgcolor="#EDEDED">{inner_table(title)}</td></tr>'
+    return table(
+        [header, field_rows(fields, side_by_side=side_by_side)],
+        'border="1" cellborder="1" cellspacing="0" cellpadding="3" color="#5A5A5A"',
+    )
 
 
 def title_table(picture: Picture) -> str:

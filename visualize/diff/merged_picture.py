@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Protocol
 
@@ -45,7 +45,7 @@ def _node(old: PictureNode | None, new: PictureNode, was: str) -> PictureNode:
     if old is None:
         return new._replace(mark="+")
     left = {choice.name: choice for choice in old.choices}
-    choices = [_choice(left.get(choice.name), choice) for choice in new.choices]
+    choices = [choice._replace(mark=_mark(left.get(choice.name), choice)) for choice in new.choices]
     choices += [
         choice._replace(mark="-") for name, choice in left.items() if name not in {each.name for each in new.choices}
     ]
@@ -55,18 +55,12 @@ def _node(old: PictureNode | None, new: PictureNode, was: str) -> PictureNode:
 
 def _lines(node: PictureNode) -> PictureNode:
     """A state as far as it is drawn, wherever it is in the file."""
-    return node._replace(
-        place="",
-        choices=tuple(choice._replace(place="") for choice in node.choices),
-        twigs=tuple(
-            twig._replace(choices=tuple(choice._replace(place="") for choice in twig.choices)) for twig in node.twigs
-        ),
-    )
+    twigs = tuple(twig._replace(choices=_placeless(twig.choices)) for twig in node.twigs)
+    return node._replace(place="", choices=_placeless(node.choices), twigs=twigs)
 
 
-def _choice(old: Choice | None, new: Choice) -> Choice:
-    mark: Mark = "+" if old is None else "" if old._replace(place="") == new._replace(place="") else "~"
-    return new._replace(mark=mark)
+def _placeless(choices: Iterable[Choice]) -> tuple[Choice, ...]:
+    return tuple(choice._replace(place="") for choice in choices)
 
 
 def _twigs(old: PictureNode, new: PictureNode) -> tuple[Twig, ...]:
@@ -94,7 +88,7 @@ def _edges(old: Picture, new: Picture, compared: MissionPair) -> Iterator[Pictur
             yield from (edge._replace(mark="-") for target, edge in gone.items() if target not in come)
 
 
-def _mark(old: PictureEdge | None, new: PictureEdge) -> Mark:
+def _mark(old: Choice | PictureEdge | None, new: Choice | PictureEdge) -> Mark:
     if old is None:
         return "+"
     return "" if old._replace(place="") == new._replace(place="") else "~"

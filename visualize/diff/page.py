@@ -88,17 +88,16 @@ def _lenses(chart: Json, changes: Iterable[Json]) -> list[Json]:
     """Two switches: what is for a reviewer to judge, and all that is marked."""
     unsafe = [change for change in changes if change["severity"] == "safety"]
     marked = [transition for transition in chart["transitions"] if transition.get("mark")]
-    states = {state["name"] for state in chart["states"] if state.get("mark")}
+    states = {state["name"] for state in chart["states"] if state.get("mark")} | _joined(marked)
     options = {
         choice["place"] for state in chart["states"] for choice in state.get("choices", ()) if choice.get("mark")
     }
-    ends = {name for transition in marked for name in (transition.get("source"), transition.get("target")) if name}
     return [
         lens("safety", "What is safety-relevant?", "s", label="Safety", states=_ends(unsafe, chart),
              focus=_first(unsafe, _ends(unsafe, chart)),
              transitions=_named(unsafe, "transition"), options=_named(unsafe, "option")),
-        lens("changed", "What changed?", "d", label="Changes", states=states | ends | _named(changes, "state"),
-             focus=_first(changes, states | ends),
+        lens("changed", "What changed?", "d", label="Changes", states=states | _named(changes, "state"),
+             focus=_first(changes, states),
              transitions={transition["place"] for transition in marked}, options=options),
     ]  # fmt: skip
 
@@ -115,7 +114,10 @@ def _named(changes: Iterable[Json], word: str) -> set[str]:
 def _ends(changes: list[Json], chart: Json) -> set[str]:
     """The states of changes, and those that their transitions join."""
     transitions = _named(changes, "transition")
-    joined = (transition for transition in chart["transitions"] if transition["place"] in transitions)
-    return _named(changes, "state") | {
-        name for transition in joined for name in (transition.get("source"), transition.get("target")) if name
-    }
+    theirs = (transition for transition in chart["transitions"] if transition["place"] in transitions)
+    return _named(changes, "state") | _joined(theirs)
+
+
+def _joined(transitions: Iterable[Json]) -> set[str]:
+    """The states that transitions lead from and to."""
+    return {name for each in transitions for name in (each.get("source"), each.get("target")) if name}

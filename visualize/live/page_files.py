@@ -10,15 +10,12 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
-from visualize.page.html import asset, bundle
+from visualize.page.html import CHART_SCRIPTS, asset, bundle
 
 __all__ = ("PageFiles",)
 
 ASSETS = Path(__file__).parent / "assets"
-SHARED = (
-    "dom.js", "text.js", "detail.js", "boxes.js", "tree.js", "graph.js", "order.js", "layout.js", "shapes.js", "pen.js",
-    "chart.js", "gestures.js", "plan.js", "details.js", "legend.js",
-)  # fmt: skip
+SHARED = (*CHART_SCRIPTS, "plan.js", "details.js", "legend.js")
 """Scripts of the review page that every served page has."""
 
 

@@ -24,13 +24,13 @@ def lenses(mission: Mission, picture: Picture) -> list[Json]:
     roads = Roads(mission)
     return [
         _model_lens(mission, picture, roads),
-        _operator(mission, picture),
-        _stops(mission, picture, roads),
-        _invariants(mission, picture, roads),
+        _operator_lens(mission, picture),
+        _stops_lens(mission, picture, roads),
+        _invariants_lens(mission, picture, roads),
     ]
 
 
-def _operator(mission: Mission, picture: Picture) -> Json:
+def _operator_lens(mission: Mission, picture: Picture) -> Json:
     asked = asked_of(mission, "operator")
     held = [name for _, name, state in mission.walk() if state.control == "operator"]
     transitions = {edge.place for edge in picture.edges for each in asked if edge.source == each.state and edge.option}
@@ -56,7 +56,7 @@ def _operator(mission: Mission, picture: Picture) -> Json:
     )  # fmt: skip
 
 
-def _stops(mission: Mission, picture: Picture, roads: Roads) -> Json:
+def _stops_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
     ends = [name for name, state in roads.finals.items() if state.final != "succeeded"]
     after = roads.onward([mission.on_cancel]) if mission.on_cancel else None
     moving = [name for _, name, state in mission.walk() if _moves(state)]
@@ -85,7 +85,7 @@ def _stops(mission: Mission, picture: Picture, roads: Roads) -> Json:
     )  # fmt: skip
 
 
-def _invariants(mission: Mission, picture: Picture, roads: Roads) -> Json:
+def _invariants_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
     sections, states, transitions = [], set[str](), set[str]()
     for name, guard in mission.invariants.items():
         named = {state for part in guard.walk() for state in part.states()}
