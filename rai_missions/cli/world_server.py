@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import signal
@@ -13,14 +12,12 @@ from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
-from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from rai_missions.runtime.clock import SimulatedClock
 from rai_missions.runtime.interrupts import on_signals
 from rai_missions.runtime.mailbox import Mailbox
 from rai_missions.worlds import open_world
 from rai_missions.worlds.bridge import PublishedWorld, TrackedConnector, taken_names
-from rai_missions.worlds.world import World
 
 __all__ = ("serve_world",)
 
@@ -42,7 +39,7 @@ def serve_world(name: str, options: Mapping[str, Any], *, domain: int | None, sp
     from rai_missions.connectors.ros2 import open_connector
 
     connector = open_connector({"pictures": True, **({} if domain is None else {"domain_id": domain})})
-    world = _open(name, options)
+    world = open_world(name, **options)
     mailbox = Mailbox()
     try:
         with _ended_by_signal(mailbox):
@@ -58,16 +55,6 @@ def serve_world(name: str, options: Mapping[str, Any], *, domain: int | None, sp
         connector.stop()
         world.close()
     return 0
-
-
-def _open(name: str, options: Mapping[str, Any]) -> World:
-    try:
-        return open_world(name, **options)
-    except (TypeError, ValueError, AttributeError) as fault:  # a value of another kind than the world takes
-        pairs = ", ".join(f"{name}={json.dumps(value)}" for name, value in options.items())
-        raise UsageError(
-            f"the world {name!r} cannot be opened with {pairs}: a value there is of another type than it takes"
-        ) from fault
 
 
 def _go(stage: PublishedWorld, front: TrackedConnector, speed: float, mailbox: Mailbox) -> None:

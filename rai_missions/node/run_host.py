@@ -37,6 +37,7 @@ class RunHost:
 
     Args:
         setting: What a run is made of.
+        robot: The profile as it is known before the node is configured; None where there is none.
         journals: Names a fresh journal for each run; else there is only the setting's.
         operator: Clients answer as the operator, where the setting names no one.
     """
