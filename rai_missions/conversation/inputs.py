@@ -20,11 +20,13 @@ __all__ = (
 
 SpeechResult = Literal["whole", "cut", "failed"]
 """How a speech ended: every word came out; it was interrupted; the speaker did not speak it."""
-RefusalKind = Literal[Refusal, "judged", "late", "start", "stopped", "second", "last", "unsafe", "closing", "no_run"]
+RefusalKind = Literal[
+    Refusal, "judged", "late", "start", "stopped", "second", "last", "unsafe", "closing", "no_run", "inactive"
+]
 """Why an order was not carried out: what the engine refuses by its own kinds; an answer that was judged and does not
 count; an order that the run did not take in time; a start that the mission does not take; one to which a stop came, or
-that has another before it; no other run begins here, or none may, or the program ends; there is no run. Empty for
-any other."""
+that has another before it; no other run begins here, or none may, or the program ends; there is no run; the run's node
+is not active. Empty for any other."""
 
 
 class OrderResult(NamedTuple):

@@ -21,8 +21,6 @@ log = logger(__name__)
 PATIENCE_S = 1.0
 """How long a service waits for the run to take an order."""
 LOCKED = 'control is with "nobody" since the stop; first an operator takes it: {"command": "control", "to": "operator"}'
-ALWAYS = ("cancel", "e_stop")
-"""Taken by a node that is not active, too."""
 
 
 class CommandServer:
@@ -43,12 +41,14 @@ class CommandServer:
         """Why nothing is begun now; empty where it is."""
 
     def close(self, why: str) -> None:
-        """Begin nothing from now on, for this reason."""
+        """Begin nothing from now on, and have no door to the run take more than what ends it, for this reason."""
         self.closed = why
+        if self.session is not None:
+            self.session.runner.closed = why
 
     def open(self) -> None:
         """Begin what is ordered from now on."""
-        self.closed = ""
+        self.close("")
 
     @property
     def live(self) -> RunSession | None:
@@ -67,30 +67,42 @@ class CommandServer:
             self._changed()
         elif session is None:
             on_reply(CommandReply(False, "no mission is running; start one", order.id))
-        elif self.closed and order.command not in ALWAYS:
-            on_reply(CommandReply(False, self.closed, order.id))
         else:
             session.submit(order, on_reply)
 
     def ask(self, order: Command, within_s: float = PATIENCE_S) -> CommandReply:
         """Take an order and wait, for a moment, for what becomes of it."""
         replies: list[CommandReply] = []
-        is_answered = threading.Event()
+        self.settle(order, replies.append, within_s)
+        return replies[0] if replies else CommandReply(False, untaken(order), order.id)
+
+    def settle(self, order: Command, on_reply: ReplyCallback, within_s: float = PATIENCE_S) -> None:
+        """Take an order; `on_reply` receives once what became of it: on this thread within a moment, else later."""
+        lock, is_answered = threading.Lock(), threading.Event()
+        replies: list[CommandReply] = []
+        is_late = False
 
         def receive(reply: CommandReply) -> None:
-            replies.append(reply)
+            with lock:
+                replies.append(reply)
             is_answered.set()
+            if is_late:
+                on_reply(reply)
 
         self.submit(order, receive)
         session = self.live
         if session is None or not session.is_here:  # a run that asks its own node would wait for itself
             is_answered.wait(within_s)
-        return replies[0] if replies else CommandReply(False, untaken(order), order.id)
+        with lock:
+            is_late = not replies
+        if not is_late:
+            on_reply(replies[0])
 
     def attend(self, session: RunSession) -> None:
         """A run is about to begin."""
         with self._lock:
             self.session = session
+            session.runner.closed = self.closed
         self._changed()
 
     def ended(self) -> None:

@@ -9,9 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from rai_missions.errors import UsageError
-from rai_missions.node.command import Command, ignore_reply
+from rai_missions.node.command import Command, CommandReply, ignore_reply
 from rai_missions.node.command_server import CommandServer
 from rai_missions.node.managed_lifecycle import Finish
+from rai_missions.node.run_session import RunSession
 
 __all__ = ("LifecycleCallbacks",)
 
@@ -50,24 +51,49 @@ class LifecycleCallbacks:
         """Take orders. Nothing moves by itself, but a mission that `deactivate` has paused continues."""
         self._commands.open()
         session = self._commands.live
-        if self._is_to_resume and session is not None and session.mode == "paused":
-            self._commands.ask(Command("resume", "operator (activate)", role="operator"))
-        self._is_to_resume = False
-        finish("")
+        if not self._is_to_resume or session is None or session.mode != "paused":
+            self._is_to_resume = False
+            finish("")
+            return
+
+        def end(reply: CommandReply) -> None:
+            self._is_to_resume = self._remains(reply)
+            if self._is_to_resume:
+                self._commands.close(INACTIVE)
+            finish(reply.why if self._is_to_resume else "")
+
+        self._commands.settle(Command("resume", "operator (activate)", role="operator"), end)
 
     def deactivate(self, finish: Finish) -> None:
         """Pause the mission that runs; one that has not begun to move yet is canceled."""
         session = self._commands.live
         if session is not None and session.mode == "canceling":
             raise UsageError("the mission is being canceled; deactivate the node when that has ended")
-        if session is not None and session.mode in ("ready", "running"):
-            word = "cancel" if session.mode == "ready" else "pause"
-            reply = self._commands.ask(Command(word, "operator (deactivate)", role="operator"))
-            if not reply.success and self._commands.live is not None:
-                raise UsageError(reply.why)
+        if session is None or session.mode == "paused":
+            self._commands.close(INACTIVE)
+            finish("")
+            return
+        word = "cancel" if session.mode == "ready" else "pause"
+
+        def end(reply: CommandReply) -> None:
+            if self._remains(reply):
+                finish(reply.why)
+                return
             self._is_to_resume = word == "pause"
-        self._commands.close(INACTIVE)
-        finish("")
+            self._commands.close(INACTIVE)
+            finish("")
+
+        self._commands.settle(Command(word, "operator (deactivate)", role="operator"), end)
+
+    def attend(self, session: RunSession) -> None:
+        """A run is about to begin; one whose node is not active by now is put to rest before it moves."""
+        if self._commands.closed:
+            self._is_to_resume = self._commands.closed == INACTIVE and session.mode != "ready"
+            (session.runner.pause if self._is_to_resume else session.runner.cancel)("operator (deactivate)")
+
+    def _remains(self, reply: CommandReply) -> bool:
+        """Whether a mission is under way as it was, because it refused an order."""
+        return not reply.success and self._commands.live is not None
 
     def clean_up(self, finish: Finish) -> None:
         """Cancel the mission that is under way; it ends when that has ended."""

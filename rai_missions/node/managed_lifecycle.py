@@ -49,6 +49,7 @@ class ManagedLifecycle:
         self._acts, self._moved = acts, moved
         self._lock = threading.RLock()
         self.state: NodeState = UNCONFIGURED
+        self._next = ""
         self.fault = ""
         """Why the last transition failed; empty once one has succeeded."""
 
@@ -81,11 +82,20 @@ class ManagedLifecycle:
                 self._break(f"{way.label}: {type(error).__name__}: {error}")
             return not ends or ends[0]
 
+    def change_next(self, label: str) -> None:
+        """Do a transition, by its label; where another is under way, once that has ended."""
+        with self._lock:
+            if not self.change(label) and not leaving(self.state):
+                self._next = label
+
     def _end(self, label: str, why: str) -> None:
         self.fault = Redaction().text(why)
         way = transition(self.state, label)
         if way is not None:
             self._go(way)
+        if self._next and leaving(self.state):
+            following, self._next = self._next, ""
+            self.change(following)
 
     def _break(self, why: str) -> None:
         self._end("transition_error", why)

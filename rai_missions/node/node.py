@@ -69,8 +69,8 @@ class MissionNode:
         )
         self._finalized = threading.Event()
         self._commands = CommandServer(self._begin if managed else None, self._publisher.changed)
-        acts = LifecycleCallbacks(self._commands, ready=self._ready, finalized=self._finalized.set)
-        self._lifecycle = ManagedLifecycle(acts.by_label(), self._publisher.moved)
+        self._acts = LifecycleCallbacks(self._commands, ready=self._ready, finalized=self._finalized.set)
+        self._lifecycle = ManagedLifecycle(self._acts.by_label(), self._publisher.moved)
         self._closes: list[Close] = []
         self._is_open = self._is_ours = False
 
@@ -142,11 +142,7 @@ class MissionNode:
         session = self._commands.live
         if at_once and session is not None:
             session.submit(Command("e_stop", "operator (interrupt)", role="operator"), ignore_reply)
-        if not self._lifecycle.change("shutdown"):  # another transition is under way: after it
-            self._commands.when_idle(self._shut_down_now)
-
-    def _shut_down_now(self) -> None:
-        self._lifecycle.change("shutdown")
+        self._lifecycle.change_next("shutdown")
 
     # -- next to a run ---------------------------------------------------------------------------------------------
 
@@ -157,6 +153,7 @@ class MissionNode:
     def attend(self, runner: Runner) -> RunSession:
         """Follow a run that is about to begin, by `RunSession.run`."""
         session = self._host.attend(runner)
+        self._acts.attend(session)
         self._commands.attend(session)
         return session
 

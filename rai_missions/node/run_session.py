@@ -33,6 +33,8 @@ log = logger(__name__)
 
 COMMANDS = {"pause": "pause", "resume": "resume", "cancel": "cancel", "e_stop": "kill"}
 """Order → the engine's command."""
+ALWAYS = ("cancel", "e_stop")
+"""Taken where the node is not active, too."""
 
 
 class PendingCommand(NamedTuple):
@@ -185,6 +187,8 @@ class RunSession:
         """Why an order is not put to the engine at all."""
         if order.role == "viewer":
             return "a viewer looks, and orders nothing"
+        if order.command not in ALWAYS and self.runner.closed:
+            return self.runner.closed
         if order.command == "control" and order.to not in HOLDERS:
             return f"no one called '{cut(order.to, 60)}' can hold control{suggestion(order.to, HOLDERS)}"
         if order.command == "control":

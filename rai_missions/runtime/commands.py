@@ -31,6 +31,8 @@ class RunCommands:
 
     def __init__(self, scheduler: Scheduler, control: Control, handovers: Handovers) -> None:
         self._scheduler, self._control, self._handovers = scheduler, control, handovers
+        self.closed = ""
+        """Why every door takes only what ends something; empty where it takes all. The node's lifecycle sets it."""
 
     def pause(self, by: str = "operator") -> None:
         self._command("pause", by)

@@ -383,6 +383,43 @@ def kept_busy(scene: Scene) -> threading.Event:
     return is_free
 
 
+def test_a_busy_run_is_paused_late_and_the_node_is_deactivating_until_then(scene: Scene) -> None:
+    is_free = kept_busy(scene)
+    assert scene.client.change("deactivate") and scene.client.state() == "deactivating"
+    assert not scene.client.change("activate")
+    is_free.set()
+    scene.client.await_status("both are at rest", lifecycle="inactive", mode="paused")
+    assert scene.client.change("activate")
+    scene.client.await_status("both continue", lifecycle="active", mode="running")
+
+
+@pytest.mark.parametrize(("goes", "mode"), [("deactivate", "running"), ("activate", "paused")])
+def test_a_transition_whose_order_is_dropped_leaves_the_node_and_its_mission_as_they_were(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch, goes: str, mode: str
+) -> None:
+    scene.client.activate()
+    scene.client.start()
+    if goes == "activate":
+        assert scene.client.change("deactivate")
+    before = scene.client.state()
+    monkeypatch.setattr("rai_missions.runtime.requests.GOOD_FOR_S", -1.0)  # as if the run had been busy for longer
+    assert not scene.client.change(goes)
+    status = scene.client.await_status("nothing has changed", lifecycle=before, mode=mode)
+    assert "it was dropped" in status["fault"]
+    monkeypatch.undo()
+    assert scene.client.change(goes)
+    scene.client.await_status("it has", mode="running" if goes == "activate" else "paused")
+
+
+def test_a_node_that_is_interrupted_while_it_deactivates_is_finalized(scene: Scene) -> None:
+    is_free = kept_busy(scene)
+    assert scene.client.change("deactivate")
+    scene.node.shut_down()
+    is_free.set()
+    assert scene.node.wait(30)
+    scene.client.await_status("it has ended", lifecycle="finalized", outcome="canceled")
+
+
 def test_an_order_that_the_run_does_not_take_in_time_is_not_reported_as_done(scene: Scene) -> None:
     is_free = kept_busy(scene)
     reported = scene.node.ask(Command("pause"), within_s=0.0)

@@ -94,6 +94,9 @@ class RunOrders:
 
     def perform(self, order: Order, on_end: OnOrderEnd) -> None:
         """Carry out an order; never waits."""
+        if self._runner.closed and order.name not in LASTING:
+            on_end(OrderResult(self._runner.closed, "inactive"))
+            return
         if order.name == "start":
             on_end(OrderResult.of_start(self._runner.start(order.arguments)))
             return

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A run whose node is not active: through no door does more reach it than what ends it, and none begins to move."""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rai_missions.agents.mission import RunConfig, prepare
+from rai_missions.agents.talk.orders import RunOrders
+from rai_missions.connectors.local import LocalConnector
+from rai_missions.conversation import Order
+from rai_missions.engine import Chart
+from rai_missions.engine.trees import CompiledTrees
+from rai_missions.event import Event
+from rai_missions.journal import Header, Journal
+from rai_missions.mission.files import dump
+from rai_missions.node import MissionNode
+from rai_missions.node.command import WORDS, CommandReply, read_order
+from rai_missions.node.transport import Carrier
+from rai_missions.node.web_operator import ACTS, WebCommands
+from rai_missions.profile.conversation import ORDERS
+from tests.node.scenes import Client, mission
+from tests.node.test_run_session import AskingRun
+
+WHY = "the node is inactive"
+GIVEN: dict[str, dict[str, Any]] = {
+    "answer": {"question": 1, "option": "left"},
+    "post": {"event": "go"},
+    "control": {"to": "operator"},
+}
+DOORS = [
+    *((door, order) for door, orders in (("node", WORDS), ("page", ACTS)) for order in orders if order != "start"),
+    *(("talk", order) for order in ORDERS),
+]
+
+
+@pytest.mark.parametrize(("door", "order"), DOORS)
+def test_only_what_ends_a_run_reaches_it_where_its_node_is_not_active(door: str, order: str) -> None:
+    run, taken, refused = AskingRun(), list[Event](), list[str]()
+    run.send("ask")
+    run.runner.closed = WHY
+    run.runner.post = run.runner.post_urgent = taken.append  # type: ignore[method-assign]
+    if door == "talk":
+        given = Order(1, order, "operator", "terminal", "", question=1, option="left")  # type: ignore[arg-type]
+        RunOrders(run.runner).perform(given, lambda end: refused.append(end.refused))
+    elif door == "page":
+        text = json.dumps({"command": order, **GIVEN.get(order, {})})
+        WebCommands(run.session, answers=True, note=print).submit(text, lambda _, why: refused.append(why))
+    else:
+        read = read_order(json.dumps({"command": order, **GIVEN.get(order, {})}))
+        assert not isinstance(read, CommandReply)
+        run.session.submit(read, lambda reply: refused.append(reply.why))
+    if order in ("cancel", "stop", "e_stop"):
+        assert len(taken) == 1 and not refused
+    else:
+        assert not taken and refused == [WHY]
+
+
+@pytest.fixture
+def connector() -> Iterator[LocalConnector]:
+    found = LocalConnector()
+    found.start()
+    yield found
+    found.stop()
+
+
+@pytest.mark.parametrize("resumed", [False, True])
+@pytest.mark.parametrize("labels", [["deactivate"], ["deactivate", "cleanup"]])
+def test_a_run_that_begins_once_its_node_was_deactivated_is_put_to_rest(
+    connector: LocalConnector, tmp_path: Path, resumed: bool, labels: list[str]
+) -> None:
+    path = tmp_path / "run.journal"
+    if resumed:
+        with Journal.create(path, Header(dump(mission()))) as journal:
+            journal.write(Chart(mission(), CompiledTrees()).start(), since=0.0)
+    setting = RunConfig(mission(), journal=path, resume=path if resumed else None)
+    node = MissionNode(setting, "errand", managed=False, carrier=Carrier(connector, True, False))
+    node.run()
+    client = Client(connector, "/errand")
+    assert all(client.change(label) for label in labels), "before its run is prepared"
+    with prepare(node.joined(setting)) as prepared:
+        thread = threading.Thread(target=node.attend(prepared.runner).run)
+        thread.start()
+        if resumed and labels == ["deactivate"]:
+            client.await_status("it is paused", lifecycle="inactive", mode="paused")
+            assert client.change("activate")
+            client.await_status("it continues", lifecycle="active", mode="running")
+            assert client.call("cancel")["success"]
+        thread.join(30)
+        node.conclude()
+        client.await_status("it is canceled", outcome="canceled")
+    node.stop()
