@@ -12,6 +12,7 @@ from typing import Any
 import jsonschema
 import pytest
 
+from rai_missions.agents.talk.journal import earlier_lines, waiting_requests
 from rai_missions.engine import Chart
 from rai_missions.engine.step import CallService, StartGoal
 from rai_missions.errors import DefinitionError, UsageError
@@ -251,6 +252,26 @@ def test_a_run_may_continue_in_another_mission_again_and_again(tmp_path: Path) -
         path = migrate(path, now, Map(states={old: new}), to=tmp_path / f"{number}.journal").journal
     assert continued(path, there, now).outcome == "canceled"
     assert [action for action, _ in there.started] == ["move"], "its goal is found again"
+
+
+def test_what_programs_read_from_the_notes_of_a_run_goes_with_it_such_as_its_talk(tmp_path: Path) -> None:
+    path = died(tmp_path / "0.journal", land())
+    with read(path) as record:
+        seal = record.seal
+    line = {"number": 1, "by": "operator", "text": "start with rounds 2"}
+    given = [{"talk": [{"kind": "waiting", "requests": ["two rounds"]}], "lines": [line]}, [1], "x"]
+    with Journal.open(path, seal=seal) as journal:
+        journal.note("for people alone")
+        for data in given:
+            journal.note("talk", data)
+    for number in (1, 2):
+        path = migrate(path, changed(), Map(), to=tmp_path / f"{number}.journal").journal
+    with read(path) as record:
+        notes = record.notes()
+    assert [note.data for note in notes] == given
+    assert waiting_requests(notes) == ("two rounds",)
+    assert [line.text for line in earlier_lines(notes)] == ["start with rounds 2"]
+    assert continued(path, land(), changed())
 
 
 # -- what is refused --------------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,7 +18,7 @@ from rai_missions.engine.snapshot_json import packed
 from rai_missions.engine.step import StartGoal, Step
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.event import Event
-from rai_missions.journal import MIGRATED, Header, Journal, Record, opened, read
+from rai_missions.journal import MIGRATED, Header, Journal, Note, Record, opened, read
 from rai_missions.journal.sqlite import log_of
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
@@ -88,8 +88,10 @@ def migrate(
         step = chart.send(Event("migrate", at, data, "command"))
         if faults := _broken(chart):
             raise DefinitionError(faults, source or mission.name)
+        header = _header(record, naming, profile, Path(to))._replace(programs=dict(programs))
+        notes = [each for each in record.notes() if each.data is not None and each.successor is None]
         with Journal.open(journal, seal=record.seal) as old:
-            _write(Path(to), _header(record, naming, profile, Path(to))._replace(programs=dict(programs)), step)
+            _write(Path(to), header, step, notes)
             with read(to) as new:
                 _leave(old, new)
     return MigratedRun(Path(to), mission, tuple(data["notes"]))
@@ -202,8 +204,8 @@ def _header(record: Record, naming: Naming, robot: Robot | None, to: Path) -> He
     )
 
 
-def _write(path: Path, header: Header, step: Step) -> None:
-    """A journal with its first rows, or none."""
+def _write(path: Path, header: Header, step: Step, notes: Sequence[Note]) -> None:
+    """A journal with its first rows, or none; what programs read from the notes of the run, such as talk, is in it."""
     if path.exists():
         raise UsageError(f"{path} is there already, and a journal is never overwritten; name another file")
     part = path.with_name(f".{path.name}.part")
@@ -213,6 +215,8 @@ def _write(path: Path, header: Header, step: Step) -> None:
         try:
             with Journal.create(part, header) as new:
                 new.write(step, since=step.at)
+                for note in notes:
+                    new.note(note.text, note.data)
             if log_of(part).exists():  # what could not be moved from it into the file would not get the file's name
                 raise UsageError(f"{path} cannot be written: the disk is full; make room, and migrate again")
             part.rename(path)
