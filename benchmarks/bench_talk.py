@@ -3,7 +3,8 @@
 
 The tractor drives in the simulated orchard at the wall's speed; a person asks, and asks again once it was answered. For
 the lateness a mission on the wall's clock has a step due every 20 ms; silent runs and those with talk take turns, and
-in the latter two persons ask questions of state as fast as a door takes them, while a model hangs.
+in the latter two persons ask questions of state as fast as a door takes them, while a model hangs. First, another
+person asks what the robot's documents have, of which there is no index yet.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from rai_missions.agents.conversation import ConversationalAgent
 from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.agents.talk.doors import TalkLine, TextDoor
 from rai_missions.agents.talk.model import TalkModel
+from rai_missions.embodiment import Library
 from rai_missions.engine.step import Step
 from rai_missions.mission.mission import Mission
 from rai_missions.runtime.lifecycle import Status
@@ -124,7 +126,61 @@ def side_by_side() -> None:
     print(f"{'p99 more with talk':<58} {1000 * (quantile(talked, 0.99) - quantile(silent, 0.99)):.1f} ms")
 
 
+class Reader:
+    """Asks what the documents have, again and again, at a door of its own."""
+
+    def __init__(self) -> None:
+        self.found = 0
+        self._found_one, self._over = threading.Event(), threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def show(self, line: TalkLine) -> None:
+        if line.way == "documents":
+            self.found += 1
+            self._found_one.set()
+
+    def begin(self, agent: ConversationalAgent) -> None:
+        self._thread = threading.Thread(target=self._ask, args=(agent,))
+        self._thread.start()
+
+    def end(self) -> None:
+        self._over.set()
+        if self._thread is not None:
+            self._thread.join()
+
+    def _ask(self, agent: ConversationalAgent) -> None:
+        while not self._over.is_set():
+            self._found_one.clear()
+            agent.receive("which tyre pressure is right?", role="person", channel="reader")
+            self._found_one.wait(5.0)
+
+
+def while_looked_up() -> None:
+    """Questions of state, while the documents are indexed and looked up."""
+    with TemporaryDirectory() as folder:
+        asker, reader = Asker(), Reader()
+        library = Library(TRACTOR / "identity", Path(folder) / "index")
+        doors = [TextDoor("terminal", asker.show), TextDoor("reader", reader.show)]
+        agent = ConversationalAgent(doors=doors, library=library)
+        config = RunConfig(TRACTOR / "mission.json", TRACTOR / "robot.sim.json", speed=1.0, on_step=agent.step,
+                           on_status=agent.changed)  # fmt: skip
+        with prepare(config) as prepared:
+            agent.attach(prepared.runner, prepared.journal)
+            agent.run()
+            run = threading.Thread(target=prepared.runner.run, daemon=True)
+            run.start()
+            reader.begin(agent)
+            times = [asker.ask(agent, QUESTIONS[n % 4]) for n in range(COUNT)]
+            shown("question of state, while documents are looked up", times)
+            print(f"{'the longest of them':<58} {1000 * max(times):.1f} ms; {reader.found} quotations meanwhile")
+            reader.end()
+            prepared.runner.kill("benchmark")
+            run.join(10.0)
+            agent.stop()
+
+
 def main() -> None:
+    while_looked_up()
     side_by_side()
     asker, paused, at = Asker(), threading.Event(), [0.0]
     agent = ConversationalAgent(doors=[TextDoor("terminal", asker.show)], model=TalkModel(SlowModel(wait_s=60.0)))

@@ -16,6 +16,7 @@ from typing import Any, Literal
 
 from rai_missions.agents.agent import AgentHealth
 from rai_missions.agents.talk.attached_run import AttachedRun
+from rai_missions.agents.talk.document_search import DocumentSearch
 from rai_missions.agents.talk.doors import TalkDoor, TalkDoors, TalkLine
 from rai_missions.agents.talk.journal import NoteSink
 from rai_missions.agents.talk.model import TalkModel
@@ -26,6 +27,7 @@ from rai_missions.connectors.worker import Work, Worker
 from rai_missions.conversation import (
     AskModel,
     Dialogue,
+    LookUp,
     ModelText,
     Order,
     OrderEnd,
@@ -42,6 +44,7 @@ from rai_missions.conversation.grammar import Grammar
 from rai_missions.conversation.inputs import LONGEST, OrderResult, SpeechResult
 from rai_missions.conversation.language import language
 from rai_missions.conversation.senses import STOP
+from rai_missions.embodiment.library import Library
 from rai_missions.engine.step import Step
 from rai_missions.event import Role
 from rai_missions.redaction import cut, logger, redacted
@@ -68,6 +71,7 @@ class ConversationalAgent:
     Args:
         settings: What the profile sets.
         model: What is asked where the rules know no answer; None: then it does not know.
+        library: The robot's documents, where a question is looked up that no rule answers; None: it is not.
         doors: Where people speak and write, and where the robot does.
         robot: Who the robot is.
         start: Begins another run where one is over and a person orders so, at once or from those that wait, and takes
@@ -76,11 +80,15 @@ class ConversationalAgent:
     """
 
     def __init__(
-        self, settings: Settings = SETTINGS, *, model: TalkModel | None = None, doors: Sequence[TalkDoor] = (),
-        robot: RobotWords = NO_ROBOT, start: StartRun | None = None, now: Callable[[], float] | None = None,
+        self, settings: Settings = SETTINGS, *, model: TalkModel | None = None, library: Library | None = None,
+        doors: Sequence[TalkDoor] = (), robot: RobotWords = NO_ROBOT, start: StartRun | None = None,
+        now: Callable[[], float] | None = None,
     ) -> None:  # fmt: skip
         requests = settings.requests if start is not None else "refuse"
-        self._settings = settings._replace(has_model=model is not None, requests=requests)
+        self._settings = settings._replace(
+            has_model=model is not None, has_documents=library is not None, requests=requests
+        )
+        self._documents = DocumentSearch(library) if library is not None else None
         self._model, self._doors, self._robot, self._start = model, TalkDoors(doors), robot, start
         began = time.monotonic()
         self._now = now or (lambda: time.monotonic() - began)
@@ -99,8 +107,9 @@ class ConversationalAgent:
         self._is_open = True
         self._idle: Literal["ready", "stopped"] = "ready"
         self._cancel_timer: Callable[[], object] = lambda: None
-        self._end_reported, self._is_decided = threading.Event(), threading.Event()
+        self._end_reported, self._is_decided, self._is_looked_up = (threading.Event() for _ in range(3))
         self._is_decided.set()
+        self._is_looked_up.set()
 
     # -- the paper's Agent -----------------------------------------------------------------------------------
 
@@ -115,6 +124,8 @@ class ConversationalAgent:
         """End within seconds, whatever hangs; stopped already, nothing happens."""
         if self._model is not None:
             self._model.stop()
+        if self._documents is not None:
+            self._documents.stop(within_s)
         self._worker.close(within_s)
 
     @property
@@ -249,10 +260,10 @@ class ConversationalAgent:
         return is_taken
 
     def wait_answered(self, within_s: float) -> None:
-        """Wait until what was received so far is answered by rule, or given to a model; not on its own thread."""
-        done = threading.Event()
-        if self.after_all(done.set):
-            done.wait(within_s)
+        """Wait until what was received so far is answered, or given to a model; not on its own thread."""
+        done, until = threading.Event(), time.monotonic() + within_s
+        if self.after_all(done.set) and done.wait(within_s):
+            self._is_looked_up.wait(max(0.0, until - time.monotonic()))
 
     def add_door(self, door: TalkDoor) -> None:
         """Open another door; before `run`."""
@@ -313,6 +324,7 @@ class ConversationalAgent:
         for output in outputs:
             self._perform_one(output)
         (self._is_decided.clear if self._dialogue.asks_to_begin else self._is_decided.set)()
+        (self._is_looked_up.clear if self._dialogue.looks_up else self._is_looked_up.set)()
         self._cancel_timer()
         wake_at = self._dialogue.wake_at
         if wake_at is not None:
@@ -330,6 +342,8 @@ class ConversationalAgent:
                 self._attached.journal.write(output)
         elif isinstance(output, AskModel):
             self._ask(output)
+        elif isinstance(output, LookUp):
+            self._look_up(output)
         elif self._model is not None:
             self._model.drop(output.number)
 
@@ -382,6 +396,12 @@ class ConversationalAgent:
             on_text(ModelText(request.number, is_end=True, failed="there is no model"))
         else:
             self._model.ask(request, self._attached.status.view if self._attached is not None else StatusView, on_text)
+
+    def _look_up(self, request: LookUp) -> None:
+        if self._documents is not None:
+            self._documents.ask(
+                request, lambda found: self._post(lambda: self._dialogue.on_found(found._replace(at=self._now())))
+            )
 
     def _next(self) -> int:
         self._count += 1

@@ -7,8 +7,18 @@ Imports `engine`, `mission`, `planning` and `profile`, and the modules of the ro
 """
 
 from rai_missions.conversation.dialogue import Dialogue
-from rai_missions.conversation.inputs import ModelText, OrderEnd, SpeechEnd, Utterance
-from rai_missions.conversation.outputs import AskModel, DropModel, Order, Output, Silence, Speech, TalkNote, TalkTurn
+from rai_missions.conversation.inputs import DocumentQuote, FoundQuotes, ModelText, OrderEnd, SpeechEnd, Utterance
+from rai_missions.conversation.outputs import (
+    AskModel,
+    DropModel,
+    LookUp,
+    Order,
+    Output,
+    Silence,
+    Speech,
+    TalkNote,
+    TalkTurn,
+)
 from rai_missions.conversation.settings import Settings, permissions
 from rai_missions.conversation.view import BuildView, KeyView, MissionView, ProgressView, RunEvent, StatusView
 
@@ -16,8 +26,11 @@ __all__ = (
     "AskModel",
     "BuildView",
     "Dialogue",
+    "DocumentQuote",
     "DropModel",
+    "FoundQuotes",
     "KeyView",
+    "LookUp",
     "MissionView",
     "ModelText",
     "Order",

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 from rai_missions.conversation.conversation_file import ConversationFile
 from rai_missions.conversation.dialogue import Dialogue
-from rai_missions.conversation.inputs import ModelText, OrderEnd, SpeechEnd, Utterance
-from rai_missions.conversation.outputs import AskModel, DropModel, Order, Output, Silence, Speech, TalkNote
+from rai_missions.conversation.inputs import DocumentQuote, FoundQuotes, ModelText, OrderEnd, SpeechEnd, Utterance
+from rai_missions.conversation.outputs import AskModel, DropModel, LookUp, Order, Output, Silence, Speech, TalkNote
 from rai_missions.conversation.places import PlaceArea
 from rai_missions.conversation.settings import Settings, permissions
 from rai_missions.conversation.spoken_starts import SpokenStart
@@ -24,7 +24,18 @@ from rai_missions.validation_errors import validated
 
 __all__ = ("PlayedTurn", "check_conversation", "play_conversation", "settings_from", "view_from")
 
-KINDS = ("person", "status", "model", "speech_end", "order_end", "speaker", "mission_speech", "restart", "wait")
+KINDS = (
+    "person",
+    "status",
+    "model",
+    "found",
+    "speech_end",
+    "order_end",
+    "speaker",
+    "mission_speech",
+    "restart",
+    "wait",
+)
 """What a turn may be; each has also `at` and `expect`."""
 
 
@@ -112,7 +123,7 @@ class _Player:
         self.dialogue = Dialogue(settings_from(data.get("settings", {})), self.view)
         self.speeches: dict[str, str] = {}
         """Report, or `last`, → the key of its last speech."""
-        self.order = self.request = 0
+        self.order = self.request = self.look = 0
 
     def play(self) -> Iterator[PlayedTurn]:
         for turn in self.data["turns"]:
@@ -132,6 +143,8 @@ class _Player:
                 self.order = each.number
             elif isinstance(each, AskModel):
                 self.request = each.number
+            elif isinstance(each, LookUp):
+                self.look = each.number
 
     def _turn(self, turn: Mapping[str, Any], at: float) -> tuple[Output, ...]:
         kinds = [kind for kind in KINDS if kind in turn]
@@ -161,6 +174,10 @@ class _Player:
                 reply.get("end", True), reply.get("failed", ""), at,
             )
         )  # fmt: skip
+
+    def _found(self, turn: Mapping[str, Any], at: float) -> tuple[Output, ...]:
+        quotes = tuple(DocumentQuote(**each) for each in turn["found"])
+        return self.dialogue.on_found(FoundQuotes(self.look, quotes, at=at))
 
     def _speech_end(self, turn: Mapping[str, Any], at: float) -> tuple[Output, ...]:
         key = self.speeches.get(turn["speech_end"], turn["speech_end"])
@@ -193,6 +210,8 @@ def _shown(output: Output) -> dict[str, Any]:
         return {"order": output.name, **{name: value for name, value in output._asdict().items() if name != "name"}}
     if isinstance(output, AskModel):
         return {"asks_model": output.text}
+    if isinstance(output, LookUp):
+        return {"looks_up": output.text}
     if isinstance(output, DropModel):
         return {"drops_model": output.number}
     return {"silence": "total" if isinstance(output, Silence) and output.is_total else "polite"}

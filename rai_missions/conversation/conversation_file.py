@@ -11,7 +11,7 @@ from typing import Any, Literal, get_type_hints
 
 from pydantic import BaseModel, ConfigDict, create_model
 
-from rai_missions.conversation.inputs import RefusalKind, SpeechResult
+from rai_missions.conversation.inputs import DocumentQuote, RefusalKind, SpeechResult
 from rai_missions.conversation.places import PlaceArea
 from rai_missions.conversation.settings import Settings
 from rai_missions.conversation.view import BuildView, KeyView, MissionView, ProgressView, RunEvent, StatusView
@@ -76,6 +76,7 @@ REPLY = _model(
 TURN = _model(
     "Turn", at=(float, ...), expect=(_listed(OBJECT), ()), person=(str, ""), role=(Role, ""), channel=(str, ""),
     author=(str, ""), id=(str, ""), readings=(_listed(str), ()), status=(VIEW, None), model=(REPLY, None),
+    found=(_listed(_parts("Quote", DocumentQuote)), None),
     speech_end=(str, ""), result=(SpeechResult, ""), order_end=(str, ""), kind=(RefusalKind, ""),
     speaker=(Literal["alive", "dead"], ""), mission_speech=(str, ""), restart=(Any, None), wait=(Any, None),
 )  # fmt: skip

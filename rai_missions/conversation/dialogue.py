@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
-from rai_missions.conversation.inputs import ModelText, OrderEnd, SpeechEnd, Utterance
+from rai_missions.conversation.document_side import DocumentSide
+from rai_missions.conversation.inputs import FoundQuotes, ModelText, OrderEnd, SpeechEnd, Utterance
 from rai_missions.conversation.model_side import ModelSide
 from rai_missions.conversation.order_side import OrderSide
 from rai_missions.conversation.outputs import Order, Output, TalkTurn
@@ -39,8 +40,9 @@ class Dialogue:
         self._talk = Talk(settings, view)
         self._speaking = SpeechSide(self._talk)
         self._orders = OrderSide(self._talk, self._speaking)
-        self._sentences = SentenceSide(self._talk, self._speaking, self._orders)
-        self._models = ModelSide(self._talk, self._speaking, self._orders)
+        self._documents = DocumentSide(self._talk, self._speaking)
+        self._sentences = SentenceSide(self._talk, self._speaking, self._orders, self._documents)
+        self._models = ModelSide(self._talk, self._speaking, self._orders, self._documents)
 
     @property
     def settings(self) -> Settings:
@@ -54,13 +56,18 @@ class Dialogue:
     @property
     def wake_at(self) -> float | None:
         """The instant at which `on_time` has something to do, on the dialogue's clock; None: nothing is due."""
-        sides = (self._speaking, self._orders, self._models)
+        sides = (self._speaking, self._orders, self._models, self._documents)
         return min((at for each in sides if (at := each.wake_at()) is not None), default=None)
 
     @property
     def asks_to_begin(self) -> bool:
         """Whether a mission is over and a start, of a request or ordered since, waits for a person's yes."""
         return self._orders.asks_to_begin
+
+    @property
+    def looks_up(self) -> bool:
+        """Whether a question is being looked up in the documents."""
+        return self._documents.looks_up
 
     @property
     def history(self) -> tuple[TalkTurn, ...]:
@@ -88,6 +95,7 @@ class Dialogue:
                 self._models.ask(numbered)
             elif handling == "stopped":
                 self._models.drop_all()
+                self._documents.drop_all()
         return self._end()
 
     def on_status(self, view: StatusView, at: float) -> tuple[Output, ...]:
@@ -134,6 +142,12 @@ class Dialogue:
         self._models.on_text(reply)
         return self._end()
 
+    def on_found(self, found: FoundQuotes) -> tuple[Output, ...]:
+        """What the robot's documents have on a question."""
+        self._begin(found.at)
+        self._documents.on_found(found)
+        return self._end()
+
     def on_speech_end(self, end: SpeechEnd) -> tuple[Output, ...]:
         """A speech has ended."""
         self._begin(end.at)
@@ -163,6 +177,7 @@ class Dialogue:
         self._talk.pass_time(at)
         self._orders.on_time()
         self._models.on_time()
+        self._documents.on_time()
         self._speaking.on_time()
 
     def _end(self) -> tuple[Output, ...]:

@@ -14,8 +14,8 @@ from rai_missions.event import Role
 from rai_missions.planning.text.normalise import LONGEST
 
 __all__ = (
-    "LONGEST", "ModelText", "OrderEnd", "OrderResult", "RefusalKind", "SpeechEnd", "SpeechResult", "Utterance",
-    "by_words",
+    "LONGEST", "DocumentQuote", "FoundQuotes", "ModelText", "OrderEnd", "OrderResult", "RefusalKind", "SpeechEnd",
+    "SpeechResult", "Utterance", "by_words",
 )  # fmt: skip
 
 SpeechResult = Literal["whole", "cut", "failed"]
@@ -98,6 +98,26 @@ class ModelText(NamedTuple):
     """Nothing follows."""
     failed: str = ""
     """Why there is no reply, for the journal; empty where there is one."""
+    at: float = 0.0
+
+
+class DocumentQuote(NamedTuple):
+    """What a document has on a question, word for word."""
+
+    source: str
+    """Its file and its headings."""
+    text: str
+
+
+class FoundQuotes(NamedTuple):
+    """What the robot's documents have on a question."""
+
+    number: int
+    """Of the `LookUp` that it replies to; any other is dropped."""
+    quotes: tuple[DocumentQuote, ...] = ()
+    """The best first; none where the documents have no answer."""
+    failed: str = ""
+    """Why nothing could be looked up, for the journal; empty where it was."""
     at: float = 0.0
 
 

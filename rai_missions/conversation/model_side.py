@@ -7,6 +7,7 @@ Rule: a model's sentence about the robot or its work is replaced by the status; 
 from __future__ import annotations
 
 from rai_missions.conversation.claims import Claims
+from rai_missions.conversation.document_side import DocumentSide
 from rai_missions.conversation.inputs import LONGEST, ModelText, SpeechEnd, Utterance
 from rai_missions.conversation.model_turns import ModelTurn, ModelTurns
 from rai_missions.conversation.order_forms import order_forms, proposed
@@ -33,10 +34,11 @@ class ModelSide:
         talk: What the sides share.
         speaking: Where texts go out.
         orders: Where an order that a model proposes is judged.
+        documents: Where a question is looked up that no model has answered.
     """
 
-    def __init__(self, talk: Talk, speaking: SpeechSide, orders: OrderSide) -> None:
-        self._talk, self._speaking, self._orders = talk, speaking, orders
+    def __init__(self, talk: Talk, speaking: SpeechSide, orders: OrderSide, documents: DocumentSide) -> None:
+        self._talk, self._speaking, self._orders, self._documents = talk, speaking, orders, documents
         self._turns = ModelTurns(talk.settings)
         self._claims = Claims(talk.settings.language)
         self._unread = UnreadAnswers(talk.answers)
@@ -46,7 +48,7 @@ class ModelSide:
     def ask(self, utterance: Utterance) -> None:
         """A sentence that the rules do not know."""
         if not self._talk.settings.has_model:
-            self._do_not_know(utterance)
+            self._look_up(utterance)
             return
         if self._turns.turn is None:
             self._begin(utterance)
@@ -69,7 +71,11 @@ class ModelSide:
         form = "filler" if utterance.is_spoken else "model_waits" if is_waiting else "model_asked"
         self._speaking.acknowledge(form, utterance)
 
-    def _do_not_know(self, utterance: Utterance, *, is_silent: bool = False) -> None:
+    def _look_up(self, utterance: Utterance, *, is_silent: bool = False) -> None:
+        """The documents come last; where they have no answer either, no one knows one."""
+        self._documents.ask(utterance, lambda: self._do_not_know(utterance, is_silent=is_silent))
+
+    def _do_not_know(self, utterance: Utterance, *, is_silent: bool) -> None:
         """That no one knows an answer.
 
         Args:
@@ -153,7 +159,7 @@ class ModelSide:
         if not reply.is_end:
             self._talk.put(DropModel(turn.number))
         if not turn.spoken and not turn.has_order:
-            self._do_not_know(turn.utterance, is_silent=bool(reply.failed))
+            self._look_up(turn.utterance, is_silent=bool(reply.failed))
         self._turns.keep(None)
         self._next()
 

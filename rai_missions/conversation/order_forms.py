@@ -101,9 +101,7 @@ def _proposed_answer(order: Mapping[str, Any], view: StatusView) -> Sense | None
     offer = view.offer(number, option)
     if offer is None or not isinstance(values, Mapping):
         return None
-    if (offer.parameters is None and values) or (
-        offer.parameters is not None and parameter_faults(offer.parameters, values)
-    ):
+    if parameter_faults(offer.parameters, values) if offer.parameters else "parameters" in order:
         return None
     return sense._replace(parameters=dict(values))
 

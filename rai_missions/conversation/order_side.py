@@ -258,7 +258,7 @@ class OrderSide:
         elif utterance.is_spoken and not is_agreed:
             self._talk.note("refused", number=utterance.number, order="confirm", by="recognisers")
             self._speaking.reply("two_needed", utterance, order=order.words)
-        elif pending.is_unclear(utterance) or self._talk.ends_with_model(utterance.channel):
+        elif pending.is_unclear(utterance) or self._talk.ends_with(utterance.channel, "model", "documents"):
             self.confirmation.ask_again(utterance)
         else:
             self._confirm(order, utterance)

@@ -13,21 +13,21 @@ from rai_missions.event import Role
 from rai_missions.profile.conversation import OrderName
 
 __all__ = (
-    "AskModel", "DropModel", "Mapper", "NoteKind", "Order", "OrderName", "Output", "Priority", "Silence", "Speech",
-    "TalkNote", "TalkTurn", "Way",
+    "AskModel", "DropModel", "LookUp", "Mapper", "NoteKind", "Order", "OrderName", "Output", "Priority", "Silence",
+    "Speech", "TalkNote", "TalkTurn", "Way",
 )  # fmt: skip
 
 Priority = Literal["end", "question", "answer", "chatter"]
 """What is spoken first: the mission's end, then its questions and other reports, answers, the rest."""
-Way = Literal["rules", "model", "unknown"]
-"""By which way a text was made: templates, a model, or neither knew an answer."""
+Way = Literal["rules", "model", "documents", "unknown"]
+"""By which way a text was made: templates, a model, a quotation of documents, or none of them knew an answer."""
 Mapper = Literal["grammar", "model"]
 """What read a sentence as an order."""
 
 
 NoteKind = Literal[
     "heard", "mapped", "read_back", "confirmed", "void", "refused", "ordered", "performed", "queued", "dropped",
-    "waiting", "asked_model", "model_text", "replaced", "spoken", "unspoken",
+    "waiting", "asked_model", "model_text", "replaced", "looked_up", "spoken", "unspoken",
 ]  # fmt: skip
 
 
@@ -132,6 +132,16 @@ class DropModel(NamedTuple):
     number: int
 
 
+class LookUp(NamedTuple):
+    """A question to the robot's documents. `FoundQuotes` with its number must follow, or it times out at `until`."""
+
+    number: int
+    text: str
+    """The question, as it was received."""
+    until: float
+    """The instant after which the dialogue does not wait for it any longer."""
+
+
 class TalkNote(NamedTuple):
     """A line for the journal, as data: sentence, mapper, confirmation, refusal, replaced claim, what was spoken."""
 
@@ -140,4 +150,4 @@ class TalkNote(NamedTuple):
     data: Mapping[str, Any]
 
 
-Output = Speech | Silence | Order | AskModel | DropModel | TalkNote
+Output = Speech | Silence | Order | AskModel | DropModel | LookUp | TalkNote

@@ -11,6 +11,7 @@ from typing import Literal
 
 from rai_missions.conversation.confirmation import CROSSING_S
 from rai_missions.conversation.corrections import Draft
+from rai_missions.conversation.document_side import DocumentSide
 from rai_missions.conversation.grammar import Grammar
 from rai_missions.conversation.inputs import Utterance
 from rai_missions.conversation.language import spoken
@@ -49,10 +50,11 @@ class SentenceSide:
         talk: What the sides share.
         speaking: Where texts go out.
         orders: Where orders, and what confirms them, are judged.
+        documents: Where a question is looked up that has no answer now.
     """
 
-    def __init__(self, talk: Talk, speaking: SpeechSide, orders: OrderSide) -> None:
-        self._talk, self._speaking, self._orders = talk, speaking, orders
+    def __init__(self, talk: Talk, speaking: SpeechSide, orders: OrderSide, documents: DocumentSide) -> None:
+        self._talk, self._speaking, self._orders, self._documents = talk, speaking, orders, documents
         self._grammar = Grammar(talk.language, talk.starts, talk.settings.questions)
         self._suggestions = Suggestions(self._grammar.sentence)
         self._unfinished = dict[tuple[str, str], EarlierOrder]()
@@ -126,7 +128,7 @@ class SentenceSide:
             utterance: The sentence.
         """
         sense = self._chosen((*senses, *self._others(senses[0], *each)), utterance)
-        if sense is not None and self._is_for_model(sense):
+        if sense is not None and self._talk.settings.has_model and not self._is_answered(sense):
             return "unknown"
         if sense is not None:
             agreeing = sum(any(sense.identity == other.identity for other in others) for others in each)
@@ -220,7 +222,7 @@ class SentenceSide:
         return is_request(sense, view) or not why_not_now(sense, view, self._talk.language)
 
     def _answer_nothing(self, utterance: Utterance) -> Handling:
-        if self._talk.ends_with_model(utterance.channel):
+        if self._talk.ends_with(utterance.channel, "model"):
             return "unknown"
         self._orders.speak_nothing(utterance)
         return "handled"
@@ -237,11 +239,12 @@ class SentenceSide:
         self._speaking.reply("ambiguous", utterance, choices=choices)
         return None
 
-    def _is_for_model(self, sense: Sense) -> bool:
-        """Whether it is a question of the robot's own that nothing answers now, and a model may know more."""
+    def _is_answered(self, sense: Sense) -> bool:
+        """Whether it is no question of the robot's own, or something answers it now; else others may know more."""
         view = self._talk.view
-        is_answered = is_known(sense.key, view.keys) if sense.name == "value" else self._talk.answers.knows(sense, view)
-        return sense.kind == "question" and self._talk.settings.has_model and not is_answered
+        if sense.kind != "question":
+            return True
+        return is_known(sense.key, view.keys) if sense.name == "value" else self._talk.answers.knows(sense, view)
 
     def _choice(self, sense: Sense) -> str:
         language, question = self._talk.language, self._talk.view.question(sense.question)
@@ -280,6 +283,12 @@ class SentenceSide:
         if sense.name == "repeat" and pending is not None and may(utterance.role, pending.name, settings):
             self._orders.confirmation.ask_again(utterance)
             return
+        if self._is_answered(sense):
+            self._speak_answer(sense, utterance)
+        else:
+            self._documents.ask(utterance, lambda: self._speak_answer(sense, utterance))
+
+    def _speak_answer(self, sense: Sense, utterance: Utterance) -> None:
         text = self._talk.answers.answer(sense, self._talk.view, self._asker(utterance))
         self._speaking.answer(text, utterance)
 
@@ -314,4 +323,4 @@ class SentenceSide:
 
 def _is_spoken(turn: TalkTurn, to: Utterance) -> bool:
     """Whether the rules have spoken it to the speaker of a sentence, or to all."""
-    return turn.by == "robot" and turn.way != "model" and turn.channel in ("", to.channel)
+    return turn.by == "robot" and turn.way in ("rules", "unknown") and turn.channel in ("", to.channel)

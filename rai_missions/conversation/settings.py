@@ -40,6 +40,10 @@ class Settings(NamedTuple):
     """Whether a model can be asked; else what the rules do not know is answered by "I do not know"."""
     model_s: float = 20.0
     """Seconds that a model has for its reply."""
+    has_documents: bool = False
+    """Whether the robot's documents can be asked what no rule answers."""
+    look_up_s: float = 20.0
+    """Seconds that a look into the documents may take."""
     confirm_s: float = 20.0
     """Seconds after which what was read back is void."""
     speech_s: float = 60.0

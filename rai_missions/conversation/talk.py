@@ -9,7 +9,7 @@ from typing import Any
 
 from rai_missions.conversation.inputs import LONGEST, Utterance
 from rai_missions.conversation.language import language
-from rai_missions.conversation.outputs import NoteKind, Output, Speech, TalkNote, TalkTurn
+from rai_missions.conversation.outputs import NoteKind, Output, Speech, TalkNote, TalkTurn, Way
 from rai_missions.conversation.settings import Settings
 from rai_missions.conversation.spoken_starts import SpokenStarts
 from rai_missions.conversation.start_phrases import StartPhrases
@@ -78,10 +78,10 @@ class Talk:
         self._number += 1
         self.turns.append(TalkTurn(self._number, "robot", speech.text, speech.way, speech.to, self.now))
 
-    def ends_with_model(self, channel: str) -> bool:
-        """Whether the robot's last text there was a model's: a yes or a no may be meant for that."""
+    def ends_with(self, channel: str, *ways: Way) -> bool:
+        """Whether the robot's last text there was made in one of these ways: a yes or a no may be meant for that."""
         robot = (each for each in reversed(self.turns) if each.by == "robot" and each.channel in ("", channel))
-        return any(each.way == "model" for each in islice(robot, 1))
+        return any(each.way in ways for each in islice(robot, 1))
 
     def put(self, output: Output) -> None:
         """Something goes out."""

@@ -15,7 +15,7 @@ from rai_missions.conversation.state_answers import StateAnswers
 from rai_missions.conversation.values import key_sentence
 from rai_missions.conversation.view import StatusView
 
-__all__ = ("UnreadAnswers",)
+__all__ = ("UnreadAnswers", "is_question")
 
 SentenceKind = Literal["question", "statement", "other"]
 LEAST_WORDS = 2
@@ -40,6 +40,11 @@ def _unread(text: str, language: Language) -> UnreadSentence:
         return UnreadSentence("other")
     found = next(language.statement.match(words), None)
     return UnreadSentence("other" if found is None else "statement", tuple((found or {}).get("thing", "").split()))
+
+
+def is_question(text: str, language: Language) -> bool:
+    """Whether a sentence that no rule reads asks for something."""
+    return _unread(text, language).kind == "question"
 
 
 class UnreadAnswers:

@@ -75,6 +75,7 @@ class TalkSession:
         self._runs = TalkRuns(config, waits=waits, is_reachable=lambda: self._is_reachable)
         self._agent = ConversationalAgent(
             settings_of(policy), model=_model(options, prepared, identity), robot=words,
+            library=identity.library if identity is not None else None,
             start=self._runs.order if self._is_alone else None,
         )  # fmt: skip
 

@@ -28,7 +28,7 @@ from rai_missions.mission.mission import Mission
 
 __all__ = ("LineInput", "TalkLines", "TypedLines", "line_words", "open_typing")
 
-WAYS = {"rules": "robot", "model": "robot, the model thinks", "unknown": "robot"}
+WAYS = {"rules": "robot", "model": "robot, the model thinks", "documents": "robot, quoting", "unknown": "robot"}
 UNHEARD = {"cut": " (interrupted)", "failed": " (not spoken)"}
 TakeLine = Callable[[str], str]
 
@@ -72,7 +72,7 @@ class TalkLines(Lines):
         """A line of the conversation; what was typed here is on the screen already."""
         if line.by != "robot" and line.channel == "terminal":
             return
-        style = "bold cyan" if line.way == "model" else "bold" if line.by == "robot" else "cyan"
+        style = "bold cyan" if line.way in ("model", "documents") else "bold" if line.by == "robot" else "cyan"
         with self._mine:
             self._console.print(Text(f"{'':4}{line_words(line)}", style=style), soft_wrap=True)
 

@@ -17,6 +17,7 @@ from rai_missions.agents.talk.model import TalkModel
 from rai_missions.agents.talk.run_status import RobotWords
 from rai_missions.answerers.test_models import DoubleModel
 from rai_missions.conversation import Settings
+from rai_missions.embodiment import Library
 from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Step
 from rai_missions.event import Role
@@ -100,6 +101,7 @@ class Talk:
         given: Mission | Mapping[str, Any],
         *,
         model: Any = None,
+        library: Library | None = None,
         settings: Settings = SETTINGS,
         doors: Sequence[TalkDoor] = (),
         names: RobotWords = NO_NAMES,
@@ -108,7 +110,7 @@ class Talk:
         self.screen = Screen()
         door = TextDoor("terminal", self.screen.show, lambda: self.screen.is_open)
         model = TalkModel(model) if isinstance(model, BaseChatModel) else model
-        self.agent = ConversationalAgent(settings, doors=[door, *doors], model=model, robot=names)
+        self.agent = ConversationalAgent(settings, doors=[door, *doors], model=model, library=library, robot=names)
         self.steps: list[Step] = []
         words.setdefault("answerers", {"operator": HeldOpen()})
         self.book: Any = words.pop("journal", None) or Book()
