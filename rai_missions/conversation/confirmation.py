@@ -12,7 +12,7 @@ import math
 from typing import Literal, NamedTuple
 
 from rai_missions.conversation.inputs import SpeechEnd, Utterance
-from rai_missions.conversation.order_rules import binding, may
+from rai_missions.conversation.order_rules import binding, forbidden
 from rai_missions.conversation.request_queue import JudgedOrder, RequestQueue, order_data
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.speech_side import SpeechSide
@@ -110,7 +110,7 @@ class OrderConfirmation:
     def distract(self, utterance: Utterance) -> None:
         """A sentence that is neither yes nor no: what its speaker may confirm is to be read back again."""
         pending = self.pending
-        if pending is not None and may(utterance.role, pending.order.sense.name, self._talk.settings):
+        if pending is not None and not forbidden(pending.order.sense, utterance.role, self._talk.settings):
             self.pending = pending._replace(distracted=pending.distracted | {utterance.speaker})
 
     def end(self, by_speaker: tuple[str, str] = ("", "")) -> Confirmable | None:

@@ -6,16 +6,16 @@ Rule: a stop counts wherever it is cried, first, last or again; any other order 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from rai_missions.conversation.corrections import Draft
 from rai_missions.conversation.free_answers import text_option
 from rai_missions.conversation.language import Language
 from rai_missions.conversation.names import called
+from rai_missions.conversation.order_lists import OrderLists, is_greeting, is_order
 from rai_missions.conversation.senses import FAULT, STOP, Sense, is_fault
 from rai_missions.conversation.sentence_grammar import MOST_MENDED, MOST_WORDS, NONE, SentenceGrammar
 from rai_missions.conversation.start_phrases import StartPhrases
-from rai_missions.conversation.state_answers import ALWAYS
 from rai_missions.conversation.view import StatusView
 from rai_missions.engine.decision import Question
 from rai_missions.planning.text.normalise import once
@@ -46,7 +46,7 @@ class Grammar:
         self.language = language
         self.sentence = SentenceGrammar(language, phrases, questions)
         """The grammar of each of its sentences."""
-        self._things = frozenset(language.data["thing_pronouns"]) - language.articles
+        self._lists = OrderLists(self.sentence)
 
     def senses(self, text: str, view: StatusView, draft: Draft | None = None) -> tuple[Sense, ...]:
         """What the sentence may mean in this moment; several where it is ambiguous, empty for other talk.
@@ -60,10 +60,14 @@ class Grammar:
         whole = self.sentence.senses(words, view, draft)
         is_open = _is_open(whole)
         corrected = self._corrected_within(words, view) if is_open else ()
-        several = corrected or (self._several(words, view, whole) if is_open else ())
+        is_list = is_open or all(sense.kind == "order" and sense.name in self.language.orders for sense in whole)
+        several = corrected or (self._lists.senses(text, view, whole) if is_list else ())
+        if several and not is_open:
+            return several
         parts = self.language.normaliser.parts(text) if is_open and not several else []
         edges = self._edges(text, view) if is_open else []
-        if is_open and STOP not in several and self._is_cried(text, words, edges, view):
+        is_stop = any(sense.is_stop for sense in several)
+        if is_open and not is_stop and self._is_cried(text, words, edges, view):
             return (STOP,)
         if len(parts) < 2:
             clauses = self.language.normaliser.remarks(text) if any(each.thing for each in whole) else []
@@ -148,15 +152,10 @@ class Grammar:
             return (STOP,)
         if corrected := self._corrected_at_once(each[0], spoken_words[1:], view):
             return corrected
-        meant = [(senses, part) for senses, part in zip(each, parts, strict=True) if not _is_greeting(senses)]
+        meant = [senses for senses in each if not is_greeting(senses)]
         if not all(each) or not meant:
             return ()
-        if len(meant) == 1:
-            return meant[0][0]
-        if not all(map(_is_order, each)) or any(self.language.correction.fits(words) for words in spoken_words[1:]):
-            return ()
-        rest = " ".join(part for _, part in meant[1:]).rstrip(".!?; ")
-        return tuple(sense._replace(rest=rest) for sense in meant[0][0])
+        return meant[0] if len(meant) == 1 else ()
 
     def _corrected_within(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
         """`Go to the kitchen, no wait, the study`: the order of both; empty where no correction follows an order."""
@@ -174,56 +173,13 @@ class Grammar:
         self, first: tuple[Sense, ...], then: Sequence[list[str]], view: StatusView
     ) -> tuple[Sense, ...]:
         """`Go to the kitchen. No, the study!`: the one order of both; empty where they are none."""
-        is_start = len(first) == 1 and (_is_order(first) or first[0].name == "start")
+        is_start = len(first) == 1 and (is_order(first) or first[0].name == "start")
         if not is_start or len(then) != 1 or not self.language.correction.fits(then[0]):
             return ()
         found = self.sentence.senses(then[0], view, Draft(first[0]))
-        return found if _is_order(found) and all(each.name == first[0].name for each in found) else ()
-
-    def _several(self, words: list[str], view: StatusView, whole: tuple[Sense, ...]) -> tuple[Sense, ...]:
-        """The first of several orders in one sentence, with the rest of it: `go to the kitchen and find the cup`.
-
-        Args:
-            words: Of the sentence.
-            view: The run.
-            whole: What the sentence means as a whole.
-        """
-        if len(words) > MOST_WORDS:
-            return ()
-        for joint, at in _joints(words, self.language):
-            left, right = words[:at], words[at + len(joint) :]
-            first = self.sentence.senses(left, view)
-            second = self.sentence.senses(right, view) if _is_order(first) else ()
-            if STOP in second or (STOP in first and not whole):
-                return (STOP,)
-            if _is_order(first) and (_is_order(second) or is_fault(whole) or self._speaks_of_it(right, whole)):
-                return tuple(sense._replace(rest=" ".join(right)) for sense in first)
-        return ()
-
-    def _speaks_of_it(self, words: Sequence[str], senses: Sequence[Sense]) -> bool:
-        """Whether the end of a value is a clause about it: `bring it to me` of `find the cup and bring it to me`."""
-        texts = [text for sense in senses for text in self.sentence.open_texts(sense)]
-        return not self._things.isdisjoint(words) and any(text.endswith(" ".join(words)) for text in texts)
-
-
-def _is_greeting(senses: Sequence[Sense]) -> bool:
-    return bool(senses) and all(sense.kind == "question" and sense.name in ALWAYS for sense in senses)
+        return found if is_order(found) and all(each.name == first[0].name for each in found) else ()
 
 
 def _is_open(senses: Sequence[Sense]) -> bool:
     """Whether the words may be several sentences: they mean nothing, or have words as values that may fit or not."""
     return not senses or is_fault(senses) or all(sense.named or sense.thing for sense in senses)
-
-
-def _is_order(senses: Sequence[Sense]) -> bool:
-    """Whether it can be taken for nothing but orders."""
-    return bool(senses) and all(sense.kind == "order" for sense in senses)
-
-
-def _joints(words: Sequence[str], language: Language) -> Iterator[tuple[list[str], int]]:
-    """Each place at which one order may end and the next begin, with the words that join them."""
-    joints = sorted((each.split() for each in language.data["order_joints"]), key=len, reverse=True)
-    for at in range(1, len(words) - 1):
-        joint = next((each for each in joints if words[at : at + len(each)] == each), None)
-        if joint is not None and at + len(joint) < len(words):
-            yield joint, at

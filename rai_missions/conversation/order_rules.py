@@ -13,7 +13,8 @@ from rai_missions.engine.modes import next_mode
 from rai_missions.event import Role
 
 __all__ = (
-    "TWO_NEEDED", "binding", "is_request", "may", "must_confirm", "where_to_order", "why_not_now", "why_not_permitted",
+    "TWO_NEEDED", "binding", "forbidden", "is_request", "may", "must_confirm", "where_to_order", "why_not_now",
+    "why_not_permitted",
 )  # fmt: skip
 
 TWO_NEEDED = frozenset({"start", "resume", "cancel"})
@@ -26,6 +27,11 @@ CONFIRMED = frozenset({"start", "cancel"})
 def may(role: Role, what: str, settings: Settings) -> bool:
     """Whether a role has a permission, by its name; a role that is not listed may do nothing."""
     return what in settings.may.get(role, frozenset())
+
+
+def forbidden(sense: Sense, role: Role, settings: Settings) -> str:
+    """The first of its orders that a role may not give; empty where it may give all."""
+    return next((each.name for each in sense.orders if not may(role, each.name, settings)), "")
 
 
 def why_not_permitted(order: str, role: Role, channel: str, settings: Settings, language: Language) -> str:
@@ -75,7 +81,7 @@ def _can_start(sense: Sense, view: StatusView) -> bool:
 
 
 def must_confirm(sense: Sense, view: StatusView, *, mapper: Mapper, agreeing: int | None) -> bool:
-    """Whether the order is read back before it counts.
+    """Whether the order is read back before it counts; of several, all where one is.
 
     Args:
         sense: The order.
@@ -83,7 +89,11 @@ def must_confirm(sense: Sense, view: StatusView, *, mapper: Mapper, agreeing: in
         mapper: What read the sentence.
         agreeing: Of a spoken one, how many recognisers agree on it; None for a typed one.
     """
-    if mapper == "model" or sense.is_partial or sense.name in CONFIRMED:
+    return mapper == "model" or any(_must_confirm(each, view, agreeing) for each in sense.orders)
+
+
+def _must_confirm(sense: Sense, view: StatusView, agreeing: int | None) -> bool:
+    if sense.is_partial or sense.name in CONFIRMED:
         return True
     if sense.name != "answer":
         return False
@@ -93,5 +103,6 @@ def must_confirm(sense: Sense, view: StatusView, *, mapper: Mapper, agreeing: in
 def binding(sense: Sense, view: StatusView) -> tuple[object, ...]:
     """What a confirmation rests on: where it differs later, what was read back is void."""
     is_open = sense.name != "answer" or view.question(sense.question) is not None
-    mode = "any" if sense.name in IN_ANY_MODE and next_mode(view.mode, "cancel") else view.mode
+    is_any = sense.name in IN_ANY_MODE or is_request(sense, view)
+    mode = "any" if is_any and next_mode(view.mode, "cancel") else view.mode
     return view.run, mode, view.mission, is_open

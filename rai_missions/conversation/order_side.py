@@ -14,6 +14,7 @@ from rai_missions.conversation.inputs import LONGEST, OrderEnd, RefusalKind, Spe
 from rai_missions.conversation.language import spoken
 from rai_missions.conversation.order_rules import (
     TWO_NEEDED,
+    forbidden,
     is_request,
     may,
     must_confirm,
@@ -74,7 +75,7 @@ class OrderSide:
         self._starts: dict[tuple[str, str], Sense] = {}
         """Speaker → the last start that it ordered."""
         self._ended_run: str | None = talk.view.run if talk.view.has_ended else None
-        self._starting_until = float("-inf")
+        self._starting_until = self._taking_until = float("-inf")
         self._is_last = False
         """No run follows the one that there is."""
 
@@ -150,21 +151,21 @@ class OrderSide:
         """Judge an order that a sentence was read as; it is given out, read back, queued or refused.
 
         Args:
-            sense: The order.
+            sense: The order, with those that follow it.
             utterance: The sentence.
             mapper: What read it.
             agreeing: Of a spoken one that the grammar read, how many recognisers agree.
         """
         view, language, settings = self._talk.view, self._talk.language, self._talk.settings
-        if not may(utterance.role, sense.name, settings):
-            self.refuse_permission(sense.name, utterance)
+        if order := forbidden(sense, utterance.role, settings):
+            self.refuse_permission(order, utterance)
             return
         words = order_words(sense, view, self._talk.spoken_starts, language)
         judged = JudgedOrder(sense, utterance, mapper, words)
         self._talk.note("mapped", number=utterance.number, order=order_data(sense), mapper=mapper)
         if self._is_impossible(judged):
             return
-        if sense.name in TWO_NEEDED and agreeing is not None and agreeing < 2:
+        if any(each.name in TWO_NEEDED for each in sense.orders) and agreeing is not None and agreeing < 2:
             self._talk.note("refused", number=utterance.number, order=sense.name, by="recognisers")
             where = where_to_order(settings, language)
             self._speaking.reply("two_needed_order", utterance, order=words, where=where)
@@ -183,11 +184,13 @@ class OrderSide:
         if self._is_last and sense.name == "start":
             self._refuse(judged, "start_last", order=judged.words)
             return True
-        if self._is_request(sense):
-            form = "request_refused" if settings.requests == "refuse" else ""
-            form = form or ("queue_full" if len(self._requests) >= settings.most_requests else "")
+        if judged.follows or self._is_request(sense):
+            is_refused = settings.requests == "refuse" and judged.follows != "cancel"
+            form = "request_refused" if is_refused else ""
+            form = form or ("queue_full" if self._requests.starts >= settings.most_requests else "")
+            form = form if sense.name == "start" else ""
             if form:
-                self._refuse(judged, form, count=len(self._requests), order=judged.words)
+                self._refuse(judged, form, count=self._requests.starts, order=judged.words)
             return bool(form)
         why = why_not_now(sense, self._talk.view, self._talk.language)
         if why and sense.name == "resume" and self.stopping_by:
@@ -201,20 +204,33 @@ class OrderSide:
         self._speaking.reply(form, judged.utterance, **values)
 
     def _settle(self, judged: JudgedOrder) -> None:
-        """The order counts: it is given out, or waits for the end of the mission."""
+        """The order counts, and those that follow it, each of which waits for its turn."""
+        view, language, follows = self._talk.view, self._talk.language, ""
+        for sense in judged.sense.orders:
+            words = order_words(sense, view, self._talk.spoken_starts, language)
+            one = judged._replace(sense=sense._replace(then=()), words=words, follows=follows)
+            if not follows or not self._is_impossible(one):
+                self._settle_one(one)
+            follows = sense.name
+
+    def _settle_one(self, judged: JudgedOrder) -> None:
+        """An order is given out, or waits for the end of the mission or for its turn."""
         if judged.sense.name == "start":
             self.taken = EarlierOrder(judged.utterance.speaker, judged.sense, self._talk.now)
-        if self._is_request(judged.sense):
+        if judged.follows or self._is_request(judged.sense):
             self._requests.add(judged)
-            return
+        else:
+            self._put_and_reply(judged)
+
+    def _put_and_reply(self, judged: JudgedOrder) -> None:
         self._put(judged)
-        sense = judged.sense
-        values = {"order": judged.words, "option": spoken(sense.option)}
-        self._speaking.reply(f"done_{sense.name}", judged.utterance, **values)
+        values = {"order": judged.words, "option": spoken(judged.sense.option)}
+        self._speaking.reply(f"done_{judged.sense.name}", judged.utterance, **values)
 
     def _put(self, judged: JudgedOrder) -> None:
         """Give the order out."""
         self._count += 1
+        self._taking_until = self._talk.now + STARTING_S
         sense, utterance = judged.sense, judged.utterance
         if sense.name == "start":
             self._starting_until = self._talk.now + STARTING_S
@@ -246,7 +262,7 @@ class OrderSide:
         if pending is None:
             return None
         order = pending.order
-        if not may(utterance.role, order.sense.name, self._talk.settings):
+        if forbidden(order.sense, utterance.role, self._talk.settings):
             role = self._talk.language.word("roles", utterance.role)
             self._talk.note("refused", number=utterance.number, order="confirm", role=utterance.role, by="role")
             self._speaking.reply("not_yours", utterance, role=capital(role))
@@ -287,6 +303,8 @@ class OrderSide:
         view = self._talk.view
         pending = self.confirmation.order
         self.confirmation.follow(may_begin=pending is not None and self._has_become_possible(pending))
+        if view.is_alive and before.is_before_start and not view.is_before_start:
+            self._starting_until = float("-inf")
         if view.is_alive and view.run != before.run:
             self._starting_until = float("-inf")
             self._requests.note_any()  # in the journal of the run that is new
@@ -301,11 +319,46 @@ class OrderSide:
         return is_next and not why_not_now(sense, view, self._talk.language)
 
     def begin_requests(self) -> None:
-        """The next request has its turn where no mission runs or is about to, and no one is asked for another."""
-        while self._requests and self.confirmation.order is None and self._talk.now >= self._starting_until:
-            if self._talk.view.is_alive:
+        """The next request has its turn where no mission runs or is about to, and no one is asked for another.
+
+        An order that is no start has it as soon as it is possible.
+        """
+        while (first := self._requests.first) is not None and self._is_free:
+            if not first.is_start and not self._is_due(first):
                 return
-            self._next_request()
+            if first.is_start and self._talk.view.is_alive:
+                return
+            if first.is_start:
+                self._next_request()
+            else:
+                self._next_order()
+
+    @property
+    def _is_free(self) -> bool:
+        """Whether no mission is about to begin, and no one is asked for an order."""
+        return self.confirmation.order is None and self._talk.now >= self._starting_until
+
+    def _is_due(self, order: JudgedOrder) -> bool:
+        """Whether an order that is no start is possible, or has waited for that as long as it may."""
+        view, is_possible = self._talk.view, not why_not_now(order.sense, self._talk.view, self._talk.language)
+        return is_possible or not view.is_alive or self._talk.now >= self._taking_until
+
+    def _next_order(self) -> None:
+        """An order that follows another one is given out; to resume after a pause needs a yes of its own."""
+        order = self._requests.take()
+        if order is None:
+            return
+        permitted = may(order.utterance.role, order.sense.name, self._talk.settings)
+        if not permitted or why_not_now(order.sense, self._talk.view, self._talk.language):
+            self._drop_impossible(order)
+        elif order.sense.name == "resume" and order.follows in STOPPING:
+            self.confirmation.read_back(order, is_request=True)
+        else:
+            self._put_and_reply(order)
+
+    def _drop_impossible(self, request: JudgedOrder) -> None:
+        self._talk.note("dropped", order=order_data(request.sense))
+        self._speaking.reply("request_impossible", request.utterance.unnumbered, order=request.words)
 
     def _next_request(self) -> None:
         """The mission has ended: the oldest request begins where it succeeded; else a person is asked."""
@@ -319,10 +372,9 @@ class OrderSide:
             return
         permitted = may(request.utterance.role, "start", self._talk.settings)
         if not permitted or why_not_now(request.sense, view, self._talk.language):
-            self._talk.note("dropped", order=order_data(request.sense))
-            self._speaking.reply("request_impossible", request.utterance.unnumbered, order=request.words)
+            self._drop_impossible(request)
             return
-        if view.mode != "succeeded":
+        if not request.begins_after(view.mode):
             self.confirmation.read_back(request, is_request=True)
             return
         self._speaking.speak(self._talk.language.text("request_begins", order=request.words), priority="question")
@@ -335,6 +387,8 @@ class OrderSide:
             return
         why = cut(end.refused, LONGEST_REASON)
         self._talk.note("performed", order_number=end.number, order=judged.sense.name, refused=why)
+        if why:
+            self._taking_until = float("-inf")
         if why and judged.sense.name == "start":
             self._starting_until = float("-inf")
         if why and not judged.is_reported:
@@ -380,8 +434,11 @@ class OrderSide:
         return pending is not None and pending.name == "start" and not self._talk.view.is_alive
 
     def wake_at(self) -> float | None:
-        """When a confirmation expires."""
-        return self.confirmation.wake_at()
+        """When a confirmation expires, or an order that waits for its turn."""
+        first, until = self._requests.first, self._taking_until
+        is_waiting = first is not None and not first.is_start and until > self._talk.now
+        times = (self.confirmation.wake_at(), until if is_waiting else None)
+        return min((at for at in times if at is not None), default=None)
 
 
 def _is_locked(view: StatusView) -> bool:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import reduce
 from typing import Any
 
 from rai_missions.conversation.free_answers import text_option
@@ -18,7 +19,12 @@ __all__ = ("order_words",)
 
 
 def order_words(sense: Sense, view: StatusView, starts: SpokenStarts, language: Language) -> str:
-    """`start the mission 'x' with alleys 4`, or as the profile calls it."""
+    """`start the mission 'x' with alleys 4`, or as the profile calls it; of several orders, one after the other."""
+    each = (_order_words(order, view, starts, language) for order in sense.orders or (sense,))
+    return reduce(lambda first, then: language.text("and_then", first=first, then=then), each)
+
+
+def _order_words(sense: Sense, view: StatusView, starts: SpokenStarts, language: Language) -> str:
     if sense.name == "start":
         keys = (view.mission_named(sense.mission) or MissionView(sense.mission)).keys
         if called := starts.words(sense.arguments, keys):

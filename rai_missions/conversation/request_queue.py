@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Requests: starts that were ordered while a mission ran, and wait for its end.
+"""Requests: starts that were ordered while a mission ran, and wait for its end; and orders that follow another one.
 
-Rule: a request begins by itself only after success. After any other end its begin needs a person's yes.
+Rule: a request begins by itself only after success, or after the cancel that it was ordered with. After any other end
+its begin needs a person's yes.
 """
 
 from __future__ import annotations
@@ -31,6 +32,16 @@ class JudgedOrder(NamedTuple):
     confirmed: str = ""
     is_reported: bool = False
     """That nothing comes of it was spoken already."""
+    follows: str = ""
+    """The order right before it in its sentence."""
+
+    @property
+    def is_start(self) -> bool:
+        return self.sense.name == "start"
+
+    def begins_after(self, mode: str) -> bool:
+        """Whether it begins by itself where the mission before it has ended so."""
+        return mode == "succeeded" or (mode == "canceled" and self.follows == "cancel")
 
 
 class RequestQueue:
@@ -51,17 +62,28 @@ class RequestQueue:
         return len(self._waiting)
 
     @property
+    def starts(self) -> int:
+        """How many of them are starts."""
+        return sum(each.is_start for each in self._waiting)
+
+    @property
+    def first(self) -> JudgedOrder | None:
+        """The oldest; None where there is none."""
+        return self._waiting[0] if self._waiting else None
+
+    @property
     def words(self) -> tuple[str, ...]:
         """Each request in words."""
         return tuple(each.words for each in self._waiting)
 
     def add(self, judged: JudgedOrder) -> None:
-        """Another request; the person is informed of its place."""
+        """Another request; the person is informed of its place, or that it follows the one before it."""
         self._waiting.append(judged)
         place = len(self._waiting)
         self._talk.note("queued", number=judged.utterance.number, order=order_data(judged.sense), place=place)
         self.note()
-        self._speaking.reply("queued_request", judged.utterance, number=place, order=judged.words)
+        form = "queued_then" if judged.follows else "queued_request"
+        self._speaking.reply(form, judged.utterance, number=place, order=judged.words)
 
     def note(self) -> None:
         """Note what waits: a program that resumes the run after a kill reports what was lost."""
@@ -122,6 +144,6 @@ def order_data(sense: Sense) -> dict[str, object]:
     """An order as the journal has it."""
     data = {
         "order": sense.name, "mission": sense.mission, "arguments": dict(sense.arguments), "option": sense.option,
-        "parameters": dict(sense.parameters),
+        "parameters": dict(sense.parameters), "then": [order_data(each) for each in sense.orders[1:]],
     }  # fmt: skip
     return {name: value for name, value in data.items() if value}

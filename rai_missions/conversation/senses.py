@@ -7,7 +7,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal, NamedTuple
 
-__all__ = ("FAULT", "STOP", "Sense", "SenseKind", "is_fault")
+__all__ = ("FAULT", "STOP", "Sense", "SenseKind", "is_fault", "joined")
 
 SenseKind = Literal["order", "yes", "no", "quiet", "withdraw", "again", "other", "question", "fault"]
 
@@ -38,8 +38,30 @@ class Sense(NamedTuple):
     """Of a `fault`: the arguments that the sentence gave no value which fits."""
     is_correction: bool = False
     """It is an order read before, with another value; it takes the place of that one."""
+    then: tuple[Sense, ...] = ()
+    """What the sentence means besides: orders, each of which follows the one before it, and questions."""
     rest: str = ""
-    """What the sentence orders besides, in its words; it is not taken."""
+    """The end of the sentence, in its words, where that is not read."""
+
+    @property
+    def each(self) -> tuple[Sense, ...]:
+        """What the sentence means, one by one."""
+        return (self._replace(then=()), *self.then) if self.then else (self,)
+
+    @property
+    def orders(self) -> tuple[Sense, ...]:
+        """The orders that it is, in their turn."""
+        return tuple(sense for sense in self.each if sense.kind == "order")
+
+    @property
+    def asked(self) -> tuple[Sense, ...]:
+        """The questions that it is."""
+        return tuple(sense for sense in self.each if sense.kind == "question")
+
+    @property
+    def is_stop(self) -> bool:
+        """Whether it orders to stop; a stop is the first of what a sentence means."""
+        return self.kind == "order" and self.name == "stop"
 
     @property
     def identity(self) -> str:
@@ -54,6 +76,7 @@ class Sense(NamedTuple):
             self.parameters,
             self.key,
             self.thing,
+            [each.identity for each in self.then],
         ]
         return json.dumps(data, sort_keys=True, default=str)
 
@@ -65,3 +88,15 @@ FAULT = (Sense("fault"),)
 def is_fault(senses: Sequence[Sense]) -> bool:
     """Whether it gives values that do not fit, and means nothing else."""
     return bool(senses) and all(sense.kind == "fault" for sense in senses)
+
+
+def joined(each: Sequence[Sense]) -> Sense:
+    """What several parts of a sentence mean together, with what counts first ahead: the first order, or question.
+
+    A stop comes first, and what was ordered ahead of it is dropped. One order given twice in turn is one.
+    """
+    parts = [part for part, before in zip(each, (None, *each), strict=False) if part != before]
+    stops = [at for at, part in enumerate(parts) if part.is_stop]
+    orders = [part for part in parts[stops[0] if stops else 0 :] if part.kind == "order"]
+    first, *then = [*orders, *(part for part in parts if part.kind != "order")]
+    return first._replace(then=tuple(then)) if then else first

@@ -16,10 +16,10 @@ from rai_missions.conversation.grammar import Grammar
 from rai_missions.conversation.inputs import Utterance
 from rai_missions.conversation.language import spoken
 from rai_missions.conversation.names import option_place
-from rai_missions.conversation.order_rules import is_request, may, must_confirm, why_not_now
+from rai_missions.conversation.order_rules import forbidden, is_request, may, must_confirm, why_not_now
 from rai_missions.conversation.order_side import LONGEST_REASON, SPEAKERS, EarlierOrder, OrderSide, remember
 from rai_missions.conversation.outputs import TalkTurn
-from rai_missions.conversation.senses import STOP, Sense
+from rai_missions.conversation.senses import Sense, joined
 from rai_missions.conversation.settings import ORDERS
 from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.state_answers import Asker
@@ -68,7 +68,7 @@ class SentenceSide:
 
     def is_stop(self, utterance: Utterance) -> bool:
         """Whether one of its readings orders to stop."""
-        return any(STOP in senses for senses in self._senses(utterance))
+        return _stop_in(self._senses(utterance)) is not None
 
     def _senses(self, utterance: Utterance) -> list[tuple[Sense, ...]]:
         """What each of its readings may mean."""
@@ -99,8 +99,8 @@ class SentenceSide:
         """A person's sentence."""
         each = self._senses(utterance)
         self._unfinished.pop(utterance.speaker, None)
-        if any(STOP in senses for senses in each):
-            return "stopped" if self._orders.stop(utterance) else "handled"
+        if (stop := _stop_in(each)) is not None:
+            return self._stop(stop, each, utterance)
         self._speaking.speak_due(now=True)
         if self._decides(utterance, each):
             return "handled"
@@ -119,6 +119,19 @@ class SentenceSide:
             return self._answer_nothing(utterance)
         return self._on_senses(senses, each, utterance)
 
+    def _stop(self, stop: Sense, each: Sequence[Sequence[Sense]], utterance: Utterance) -> Handling:
+        """A sentence that orders to stop, at once; what it has besides is handled after that."""
+        if not self._orders.stop(utterance):
+            return "handled"
+        if stop.then:
+            self._handle(joined(stop.then), utterance, self._agreeing(stop, each, utterance))
+        return "stopped"
+
+    def _agreeing(self, sense: Sense, each: Sequence[Sequence[Sense]], utterance: Utterance) -> int | None:
+        """How many readings of a spoken sentence mean the same; None of a typed one."""
+        agreeing = sum(any(sense.identity == other.identity for other in others) for others in each)
+        return agreeing if utterance.is_spoken else None
+
     def _on_senses(self, senses: Sequence[Sense], each: Sequence[Sequence[Sense]], utterance: Utterance) -> Handling:
         """Handle the one thing that a sentence means.
 
@@ -131,8 +144,7 @@ class SentenceSide:
         if sense is not None and self._talk.settings.has_model and not self._is_answered(sense):
             return "unknown"
         if sense is not None:
-            agreeing = sum(any(sense.identity == other.identity for other in others) for others in each)
-            self._handle(sense, utterance, agreeing if utterance.is_spoken else None)
+            self._handle(sense, utterance, self._agreeing(sense, each, utterance))
         return "handled"
 
     def _decides(self, utterance: Utterance, each: Sequence[Sequence[Sense]]) -> bool:
@@ -217,7 +229,7 @@ class SentenceSide:
     def _is_possible(self, sense: Sense, utterance: Utterance) -> bool:
         """Whether it is an order that the speaker's role may give, and that is possible now or after this run."""
         view = self._talk.view
-        if sense.kind != "order" or not may(utterance.role, sense.name, self._talk.settings):
+        if sense.kind != "order" or forbidden(sense, utterance.role, self._talk.settings):
             return False
         return is_request(sense, view) or not why_not_now(sense, view, self._talk.language)
 
@@ -255,10 +267,28 @@ class SentenceSide:
         )
 
     def _handle(self, sense: Sense, utterance: Utterance, agreeing: int | None) -> None:
+        """Answer what a sentence asks, and hand on what it orders."""
+        for asked in sense.asked:
+            self._answer(asked, utterance)
+        if sense.orders:
+            self._order(joined(sense.orders)._replace(rest=sense.rest), utterance, agreeing)
+        elif not sense.asked:
+            self._react(sense, utterance, agreeing)
+
+    def _order(self, sense: Sense, utterance: Utterance, agreeing: int | None) -> None:
+        if order := forbidden(sense, utterance.role, self._talk.settings):
+            self._orders.refuse_permission(order, utterance)
+            return
+        if sense.rest:
+            self._speaking.reply("unread_rest", utterance, rest=cut(sense.rest, LONGEST_REASON))
+        if sense.name == "answer" and self._may_be_no_answer(utterance):
+            sense = sense._replace(is_partial=True)  # it is read back
+        self._orders.take(sense, utterance, mapper="grammar", agreeing=agreeing)
+
+    def _react(self, sense: Sense, utterance: Utterance, agreeing: int | None) -> None:
+        """Handle what is neither a question nor an order that can be judged."""
         if sense.kind == "quiet":
             self._speaking.silence(is_total=False)
-        elif sense.kind == "question":
-            self._answer(sense, utterance)
         elif sense.kind == "withdraw":
             self._orders.withdraw(utterance)
         elif sense.kind == "again":
@@ -267,16 +297,10 @@ class SentenceSide:
             self._other(sense, utterance)
         elif not may(utterance.role, sense.name, self._talk.settings):
             self._orders.refuse_permission(sense.name, utterance)
-        elif sense.kind == "fault":
+        else:
             self._talk.note("refused", number=utterance.number, order=sense.name, why=sense.fault, by="grammar")
             self._speaking.answer(sense.fault, utterance)
             self._keep(sense, utterance.speaker)
-        else:
-            if sense.rest:
-                self._speaking.reply("one_at_a_time", utterance, rest=cut(sense.rest, LONGEST_REASON))
-            if sense.name == "answer" and self._may_be_no_answer(utterance):
-                sense = sense._replace(is_partial=True)  # it is read back
-            self._orders.take(sense, utterance, mapper="grammar", agreeing=agreeing)
 
     def _answer(self, sense: Sense, utterance: Utterance) -> None:
         pending, settings = self._orders.confirmation.order, self._talk.settings
@@ -319,6 +343,11 @@ class SentenceSide:
         return Asker(
             ordered, self._orders.waiting, names, self._orders.stopping_by, last, self._speaking.reports.last_end
         )
+
+
+def _stop_in(each: Sequence[Sequence[Sense]]) -> Sense | None:
+    """The stop that one of the readings is, with what follows it; None where none is."""
+    return next((sense for senses in each for sense in senses if sense.is_stop), None)
 
 
 def _is_spoken(turn: TalkTurn, to: Utterance) -> bool:

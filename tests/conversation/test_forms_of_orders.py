@@ -172,8 +172,12 @@ def test_a_clause_about_the_thing_that_is_looked_for_is_no_part_of_its_name(code
         found = grammar.senses(f"{order} {joint} {then}", ASSISTING)
         assert ordered(found) == ordered(grammar.senses(order, ASSISTING)) != [], then
         assert [each.rest for each in found] == [then]
+    both = {"en": "find the salt and pepper", "de": "finde Salz und Pfeffer"}[code]
+    assert [(each.rest, each.then) for each in grammar.senses(both, ASSISTING)] == [("", ())], "two words are a name"
     both = {"en": "find the cup and the plant", "de": "finde die Tasse und die Kanne"}[code]
-    assert [each.rest for each in grammar.senses(both, ASSISTING)] == [""], "two things are a name"
+    each = {"en": ("find the cup", "find the plant"), "de": ("finde die Tasse", "finde die Kanne")}[code]
+    (found,) = grammar.senses(both, ASSISTING)
+    assert ordered(found.each) == [order for one in each for order in ordered(grammar.senses(one, ASSISTING))]
 
 
 @pytest.mark.parametrize("code", languages())

@@ -11,7 +11,7 @@ from typing import Any
 
 from rai_missions.redaction import clipped
 
-__all__ = ("LONGEST", "LONGEST_WORD", "Normaliser", "is_near", "is_slip", "once", "readable")
+__all__ = ("LONGEST", "LONGEST_WORD", "Normaliser", "each_way", "is_near", "is_slip", "once", "readable")
 
 LONGEST = 2_000
 """Characters of a sentence that are read; no order is longer."""
@@ -171,10 +171,10 @@ def _without_lead(words: list[str], lead: list[list[str]]) -> list[str]:
 
 
 def _by_length(given: Iterable[str]) -> list[list[str]]:
-    return sorted((words for each in given for words in _each_way(each)), key=len, reverse=True)
+    return sorted((words for each in given for words in each_way(each)), key=len, reverse=True)
 
 
-def _each_way(phrase: str) -> Iterator[list[str]]:
+def each_way(phrase: str) -> Iterator[list[str]]:
     """The words of a phrase with each of its alternatives: `if you can` and `when you can` of `(if|when) you can`."""
     parts = (part.split("|") for part in re.split(r"[()]", phrase))
     return ("".join(way).split() for way in product(*parts))

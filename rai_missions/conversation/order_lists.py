@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Lists: several orders or questions in one sentence, `go to the kitchen, then find the cup`.
+
+Rule: a list is read where each of its parts means something by itself, or with what the part before it has; a text of
+other words, and a value that may have the joint in it, stay whole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import product
+from typing import NamedTuple
+
+from rai_missions.conversation.language import QUOTING
+from rai_missions.conversation.senses import STOP, Sense, is_fault, joined
+from rai_missions.conversation.sentence_grammar import MOST_WORDS, SentenceGrammar
+from rai_missions.conversation.state_answers import ALWAYS
+from rai_missions.conversation.view import StatusView
+from rai_missions.planning.text.normalise import each_way
+
+__all__ = ("OrderLists", "is_greeting", "is_order")
+
+REVERSING = "reversing_joints"
+MOST_CUTS = 10
+"""Places of a sentence at which one of its parts may end; with more it is other talk."""
+MOST_SHARED = 4
+"""Words of one part that the next may lack: `go to` of `go to the kitchen, then the study`."""
+
+
+class Cut(NamedTuple):
+    """A place at which one part of a sentence may end and the next begin."""
+
+    end: int
+    """Words ahead of it."""
+    begin: int
+    """Words up to the next part."""
+    is_reversing: bool = False
+    """What is behind it comes first: `go home, but first find the cup`."""
+
+
+Part = tuple[Sense, ...]
+"""What a part of a sentence may mean."""
+
+
+class OrderLists:
+    """Reads lists.
+
+    Args:
+        grammar: Reads their parts.
+    """
+
+    def __init__(self, grammar: SentenceGrammar) -> None:
+        self._grammar, self._language = grammar, grammar.language
+        data = self._language.data
+        joints = ((name, joint) for name in ("order_joints", REVERSING) for joint in data[name])
+        written = self._language.normaliser.words
+        ways = ((written(" ".join(way)), name == REVERSING) for name, joint in joints for way in each_way(joint))
+        self._joints = sorted(ways, key=_length, reverse=True)
+        self._correcting = frozenset(data["correcting"])
+        self._things = frozenset(data["thing_pronouns"]) - self._language.articles
+
+    def senses(self, text: str, view: StatusView, whole: Sequence[Sense]) -> tuple[Sense, ...]:
+        """The list that a sentence is, several where its parts are ambiguous; with the rest of it that is not read.
+
+        Args:
+            text: The sentence, as it was received.
+            view: The run.
+            whole: What it means as a whole.
+        """
+        clauses = [self._language.normaliser.words(each) for each in self._language.normaliser.clauses(text)]
+        words = [word for clause in clauses for word in clause]
+        cuts = list(self._cuts(clauses))
+        if len(words) > MOST_WORDS or not 0 < len(cuts) <= MOST_CUTS or QUOTING in text:
+            return ()
+        reading = _Reading(self, words, cuts, view, is_whole=is_order(whole))
+        if len(parts := reading.parts(len(words))) > 1:
+            return _together(parts)
+        for cut in reversed(cuts):
+            first, rest = reading.parts(cut.end), words[cut.begin :]
+            if any(STOP in part for part in first) and (not whole or is_fault(whole)):
+                return (STOP,)
+            if all(map(is_order, first)) and first and (is_fault(whole) or self._speaks_of_it(rest, whole)):
+                return tuple(sense._replace(rest=" ".join(rest)) for sense in _together(first))
+        return ()
+
+    def _cuts(self, clauses: Sequence[Sequence[str]]) -> Iterator[Cut]:
+        """Where a clause ends, and where words join what is around them; ahead of a clause they are part of its end."""
+        at = 0
+        for clause in clauses:
+            begun, place = at, 0
+            while place < len(clause):
+                joint, is_reversing = next(
+                    (each for each in self._joints if _begins(clause[place:], each[0])), ([], False)
+                )
+                if place == 0 and at:
+                    yield Cut(at, at + len(joint), is_reversing)
+                elif joint and at + place:
+                    yield Cut(at + place, at + place + len(joint), is_reversing)
+                place += len(joint) or 1
+            at = begun + len(clause)
+
+    def part(self, words: Sequence[str], view: StatusView) -> Part:
+        """What a part of a sentence means: orders or questions; empty for anything else.
+
+        Args:
+            words: Of the part.
+            view: The run.
+        """
+        for form in (list(words), self._language.imperative(words)):
+            found = self._grammar.senses(form, view)
+            if found and all(sense.kind in ("order", "question") for sense in found):
+                return found
+        return ()
+
+    def shortened(self, words: Sequence[str], view: StatusView, before: Sequence[str], *, is_whole: bool) -> Part:
+        """What a part means with words of an earlier one, `the study` behind `go to the kitchen`; empty for nothing.
+
+        Args:
+            words: Of the part.
+            view: The run.
+            before: The words of the last part that is whole.
+            is_whole: The sentence is an order as a whole: a value is one of it rather than of another order.
+        """
+        shared = self._language.normaliser.bare(list(before)) if words[0] not in self._correcting else []
+        is_thing = words[0] in self._language.articles
+        for size in range(1, min(MOST_SHARED, len(shared) - 1) + 1):
+            sense = self._grammar.start_in([*shared[:size], *words], view)
+            if sense is not None and (is_thing if self._grammar.open_texts(sense) else not is_whole):
+                return (sense,)
+        return ()
+
+    def is_correction(self, words: Sequence[str]) -> bool:
+        """Whether a part replaces what is ahead of it: `no, the study`."""
+        return words[0] in self._correcting and self._language.correction.fits(words)
+
+    def _speaks_of_it(self, words: Sequence[str], senses: Sequence[Sense]) -> bool:
+        """Whether the end of a value is a clause about it: `bring it to me` of `find the cup and bring it to me`."""
+        texts = [text for sense in senses for text in self._grammar.open_texts(sense)]
+        return not self._things.isdisjoint(words) and any(text.endswith(" ".join(words)) for text in texts)
+
+
+class _Reading:
+    """The parts of one sentence; each run of its words is read once.
+
+    Args:
+        lists: Reads a part.
+        words: The sentence's.
+        cuts: Where a part may end.
+        view: The run.
+        is_whole: The sentence is an order as a whole as well.
+    """
+
+    def __init__(
+        self, lists: OrderLists, words: Sequence[str], cuts: Sequence[Cut], view: StatusView, *, is_whole: bool
+    ) -> None:
+        self._lists, self._words, self._cuts, self._view, self._is_whole = lists, words, cuts, view, is_whole
+        self._known = dict[tuple[int, ...], Part]()
+
+    def parts(self, end: int) -> list[Part]:
+        """What each part of the words up to a place means, in its turn; empty where one of them means nothing."""
+        return self._from(0, (0, 0), end)
+
+    def _from(self, begin: int, whole: tuple[int, int], end: int) -> list[Part]:
+        """The parts of the words from one place to another.
+
+        Args:
+            begin: The first place.
+            whole: The place of the last part that means something by itself.
+            end: The other place.
+        """
+        for then in self._cuts:
+            if begin < then.end and then.begin < end and (first := self._part(begin, then.end, whole)):
+                is_whole = bool(self._part(begin, then.end))
+                if rest := self._from(then.begin, (begin, then.end) if is_whole else whole, end):
+                    return [*rest, first] if then.is_reversing else [first, *rest]
+        last = self._part(begin, end, whole)
+        return [last] if last else []
+
+    def _part(self, begin: int, end: int, whole: tuple[int, int] = (0, 0)) -> Part:
+        place = (begin, end, *whole)
+        if place not in self._known:
+            words, earlier = self._words[begin:end], self._words[slice(*whole)]
+            if not earlier:
+                self._known[place] = self._lists.part(words, self._view)
+            elif self._lists.is_correction(words):
+                self._known[place] = ()
+            else:
+                found = self._part(begin, end)
+                self._known[place] = found or self._lists.shortened(words, self._view, earlier, is_whole=self._is_whole)
+        return self._known[place]
+
+
+def is_order(senses: Sequence[Sense]) -> bool:
+    """Whether it can be taken for nothing but orders."""
+    return bool(senses) and all(sense.kind == "order" for sense in senses)
+
+
+def is_greeting(senses: Sequence[Sense]) -> bool:
+    """Whether it is polite, and asks nothing."""
+    return bool(senses) and all(sense.kind == "question" and sense.name in ALWAYS for sense in senses)
+
+
+def _together(parts: Sequence[Part]) -> tuple[Sense, ...]:
+    """What parts mean together, in each way in which they may be meant; what is polite is left out."""
+    meant = [part for part in parts if not is_greeting(part)] or parts[:1]
+    found = (joined(each) for each in product(*meant))
+    return tuple({sense.identity: sense for sense in found}.values())
+
+
+def _begins(words: Sequence[str], joint: Sequence[str]) -> bool:
+    return list(words[: len(joint)]) == list(joint)
+
+
+def _length(joint: tuple[list[str], bool]) -> int:
+    return len(joint[0])
