@@ -137,7 +137,8 @@ def _impure(name: str, used: Any) -> str:
     root = module.lstrip("_").partition(".")[0]
     is_pythons = module.partition(".")[0] in sys.stdlib_module_names and root not in PURE
     if is_pythons or any(f"{module}.".startswith(f"{each}.") for each in FOREIGN):
-        return f"'{module}'" + _of(root)
+        public = module.partition("._")[0]  # what is public may be defined in a private module of the same package
+        return f"'{public}'" + _of(root)
     return ""
 
 
