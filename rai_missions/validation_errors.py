@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Annotated, Any, Protocol, Self, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
+from typing_extensions import get_protocol_members, is_protocol
 
 from rai_missions.errors import DefinitionError, Fault, UsageError, pointer, suggestion
 from rai_missions.event import Event
@@ -331,8 +332,12 @@ def check_given(given: object, kinds: type | tuple[type, ...], taker: str, wante
 def _is_of(given: object, kinds: tuple[type, ...]) -> bool:
     if isinstance(given, bool):
         return bool in kinds
-    is_protocol = any(Protocol in each.__bases__ for each in kinds)
-    return isinstance(given, kinds) and not (is_protocol and isinstance(given, type))
+    return any(_has_members(given, each) if is_protocol(each) else isinstance(given, each) for each in kinds)
+
+
+def _has_members(given: object, protocol: type) -> bool:
+    """Whether an instance has what a protocol names; `isinstance` looks past a `__getattr__` from Python 3.12 on."""
+    return not isinstance(given, type) and all(hasattr(given, name) for name in get_protocol_members(protocol))
 
 
 def check_seconds(given: object, taker: str) -> None:

@@ -15,6 +15,7 @@ from rai_missions import Chart, Event, Mission, Runner, UsageError, load
 from rai_missions.agents import run
 from rai_missions.agents.run_config import MAPPINGS
 from rai_missions.check import check
+from rai_missions.connectors.local import LocalConnector
 from rai_missions.journal import Header, Journal, read, verify
 from rai_missions.prove import prove
 from rai_missions.replay.open_run import open_run
@@ -116,6 +117,23 @@ FIELDS: dict[str, tuple[Any, ...]] = {
 def test_what_a_function_does_not_take_is_refused_by_its_word(word: str, door: Door, given: Any) -> None:
     with pytest.raises(UsageError, match=rf"^(a key of )?{word} takes "):
         door(given)
+
+
+class Around:
+    """What hands all on to another: its class has none of the members itself."""
+
+    def __init__(self, inner: Any) -> None:
+        self._inner = inner
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._inner, name)
+
+
+@pytest.mark.parametrize(("word", "given"), [("clock", SimulatedClock()), ("connector", LocalConnector())])
+def test_what_hands_all_on_to_one_that_fits_is_taken_on_any_python(word: str, given: Any) -> None:
+    part(word)[1](Around(given))
+    with pytest.raises(UsageError, match=rf"^{word} takes "):
+        part(word)[1](Around(object()))
 
 
 @pytest.mark.parametrize("kind", ["event", "write", "proposal", "control", "command"])
