@@ -14,14 +14,15 @@ from typing import Annotated, Any, Literal, NamedTuple, Self, TypeAlias
 from pydantic import BeforeValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from rai_missions.errors import suggestion
 from rai_missions.image import Image
 from rai_missions.model import Bool, Json, MissionModel, Name, Number, Seconds, Text, Value, fault, refuse
 from rai_missions.plain_data import is_number
 from rai_missions.redaction import clipped, shown
 
 __all__ = (
-    "Blackboard", "Key", "PythonType", "Source", "Stamped", "TypeName", "field_type", "is_within", "stale_at",
-    "type_error",
+    "Blackboard", "Key", "PythonType", "Source", "Stamped", "TypeName", "field_type", "is_within", "pose_slip",
+    "stale_at", "type_error",
 )  # fmt: skip
 
 TypeName = Literal["string", "number", "integer", "boolean", "object", "list", "pose", "image"]
@@ -210,6 +211,29 @@ def type_error(key: Key, value: Any, *, written: bool = False) -> str:
     for name, kind in (key.fields or {}).items():
         if name in value and value[name] is not None and not _FITS[kind](value[name]):
             return f"field '{name}': {_not_of(kind, value[name], written=written)}"
+    return ""
+
+
+POSE_WORDS = ("x", "y", "z", "yaw", "frame")
+TURN = 2 * math.pi
+
+
+def pose_slip(key: Key, value: Any) -> str:
+    """Why a pose that a person wrote is most likely another than was meant; empty otherwise.
+
+    A robot may report more words, and a heading that has gone round several times.
+
+    Args:
+        key: Whose value it is to be.
+        value: One that fits it.
+    """
+    if key.type != "pose":
+        return ""
+    if word := next((each for each in value if each not in POSE_WORDS), ""):
+        return f"a pose has no {shown(word, by=clipped)}{suggestion(word, POSE_WORDS)}"
+    yaw = value.get("yaw", 0.0)
+    if abs(yaw) > TURN:
+        return f"yaw {yaw:g} is more than a turn; it is in radians: {yaw:g}° are {math.radians(yaw):.4g}"
     return ""
 
 

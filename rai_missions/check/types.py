@@ -12,12 +12,12 @@ from rai_missions.check.paths import meaning
 from rai_missions.errors import DefinitionError, Fault
 from rai_missions.guards import GoalIs
 from rai_missions.guards.compare import NUMBERS, comparable
-from rai_missions.keys import Key, type_error
+from rai_missions.keys import Key, pose_slip, type_error
 from rai_missions.states.effects import references
 
 __all__ = (
-    "mismatched_activities", "mismatched_comparisons", "mismatched_lists", "mismatched_poses", "mismatched_writes",
-    "unreadable_goals",
+    "mismatched_activities", "mismatched_comparisons", "mismatched_items", "mismatched_lists", "mismatched_poses",
+    "mismatched_writes", "odd_poses", "unreadable_goals",
 )  # fmt: skip
 
 
@@ -63,6 +63,22 @@ def mismatched_lists(index: MissionIndex) -> Found:
             assert write.scope.owner is not None
             place = f"{write.scope.owner.place}/each"
             yield place, f"'{write.value}' is of type '{kind}', not 'list'; 'each' goes over a list"
+
+
+def mismatched_items(index: MissionIndex) -> Found:
+    """Each item of a list that the mission gives to an `each` fits the key that has the item."""
+    for key, place, item in _items(index):
+        if why := type_error(key, item, written=True):
+            yield place, f"this cannot be an item: {why}"
+
+
+def odd_poses(index: MissionIndex) -> Found:
+    """A pose that the mission gives has the words of a pose alone, and its `yaw` is within a turn."""
+    keys = index.mission.blackboard
+    given = ((keys[name], place, value) for name, place, value in _constants(index) if name in keys)
+    for key, place, value in (*given, *_items(index)):
+        if not type_error(key, value) and (why := pose_slip(key, value)):
+            yield place, why
 
 
 def mismatched_activities(index: MissionIndex) -> Found:
@@ -139,10 +155,28 @@ def _goal_paths(index: MissionIndex) -> set[str]:
     return asked | {use.path for spot in index.spots for use in spot.state.type_needs() if use.is_goal}
 
 
+def _items(index: MissionIndex) -> Iterator[tuple[Key, str, Any]]:
+    """The items of the lists that the mission itself gives to what an `each` goes over: the item's key, place, item."""
+    keys = index.mission.blackboard
+    taken = {(write.value, write.key) for write in index.writes if write.by == "each" and write.key in keys}
+    if taken:
+        for name, place, value in _given(index):
+            if isinstance(value, list | tuple):
+                for key in sorted(key for listed, key in taken if listed == name):
+                    yield from ((keys[key], f"{place}/{number}", item) for number, item in enumerate(value))
+
+
 def _constants(index: MissionIndex) -> Iterator[tuple[str, str, Mapping[str, Any]]]:
     """The objects that the mission itself gives to its keys: key, place, object; an empty one is no goal."""
+    for name, place, value in _given(index):
+        if isinstance(value, Mapping) and value:
+            yield name, place, value
+
+
+def _given(index: MissionIndex) -> Iterator[tuple[str, str, Any]]:
+    """The values that the mission itself gives to its keys, without those that name other keys: key, place, value."""
     initial = ((name, f"/blackboard/{name}/initial", key.initial) for name, key in index.mission.blackboard.items())
     values = ((write.key, f"{write.place}/value", write.value) for write in index.writes if write.by == "set")
     for name, place, value in (*initial, *values):
-        if isinstance(value, Mapping) and value and next(references(value), None) is None:
+        if next(references(value), None) is None:
             yield name, place, value

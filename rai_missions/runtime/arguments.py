@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.errors import DefinitionError, Fault, suggestion
-from rai_missions.keys import type_error
+from rai_missions.keys import pose_slip, type_error
 from rai_missions.mission.mission import Mission
 
 __all__ = ("accepted",)
@@ -39,7 +39,9 @@ def accepted(mission: Mission, arguments: Mapping[str, Any], *, whole: bool = Tr
     ]
     for name, key in takes.items():
         example = WRITTEN.get(key.type) if isinstance(arguments.get(name), str) else None
-        if name in arguments and (why := type_error(key, arguments[name], written=example is None)):
+        if name in arguments and (
+            why := type_error(key, arguments[name], written=example is None) or pose_slip(key, arguments[name])
+        ):
             remedy = f"; on a command line, quote JSON: --set '{name}={example}'" if example is not None else ""
             faults.append(Fault(f"/blackboard/{name}", f"the argument does not fit: {why}{remedy}"))
         if whole and name not in arguments and name in needed:
