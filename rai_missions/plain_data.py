@@ -119,6 +119,8 @@ def json_object(text: str | bytes) -> dict[str, Any] | None:
 def listed(value: Any, name: str = "") -> str:
     """A value in one line: `pose x 1.5, y 2, speed 1.2`; numbers are rounded to their meaning.
 
+    Objects in a list are apart from each other: `[x 1, y 2; x 3, y 4]`.
+
     Args:
         value: Anything.
         name: Of the key or field: its last part is the unit.
@@ -126,7 +128,8 @@ def listed(value: Any, name: str = "") -> str:
     if isinstance(value, Mapping):
         return ", ".join(f"{each} {listed(item, str(each))}" for each, item in value.items())
     if isinstance(value, list | tuple):
-        return "[" + ", ".join(listed(item, name) for item in value) + "]"
+        between = "; " if any(isinstance(item, Mapping) for item in value) else ", "
+        return "[" + between.join(listed(item, name) for item in value) + "]"
     if isinstance(value, Image):
         return f"picture {value.ref}"
     if isinstance(value, float):

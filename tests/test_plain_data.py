@@ -238,6 +238,7 @@ def test_a_text_inside_a_value_cannot_look_like_another_field() -> None:
         '{"kind": "crate, living false", "height_m": 0.3}'
     )
     assert listed({"held": None, "open": True, "at": [0.1 + 0.2, 2.0]}) == "held none, open true, at [0.3, 2]"
+    assert listed({"beds": [{"x": 1, "y": 2}, {"x": 3, "y": 4}]}) == "beds [x 1, y 2; x 3, y 4]"
 
 
 LEAVES = st.none() | st.booleans() | st.integers() | st.text()

@@ -13,7 +13,7 @@ from typing import Any, Literal, Protocol, TextIO
 from rai_missions.answerers.model.providers import model_words
 from rai_missions.engine.activities.goal_ledger import OpenGoal, may_move
 from rai_missions.engine.decision import Answerer
-from rai_missions.engine.description import describe, event_words
+from rai_missions.engine.description import Description, describe
 from rai_missions.engine.step import Ask, Effect, Step
 from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
@@ -181,7 +181,7 @@ class Lines:
         text, remarks = " · ".join(part for part in parts if part), described.remarks
         if text or remarks:
             self._warned = ()
-            shown = f"{trimmed(self._event(step.event), 28):<28}  {text or '; '.join(remarks)}"
+            shown = f"{trimmed(self._event(step.event, described), 28):<28}  {text or '; '.join(remarks)}"
             self._print(f"{step.at:9.2f} s  {shown}", "ignored" if step.ignored else "plain" if text else "remark")
             for reason in self._because(step) if text else ():
                 self._print(f"{'':13}{trimmed(reason)}")
@@ -228,9 +228,9 @@ class Lines:
         for line in filter(None, lines):
             self._print(line)
 
-    def _event(self, event: Event) -> str:
+    def _event(self, event: Event, described: Description) -> str:
         if event.kind != "write":
-            return event_words(event)
+            return described.event
         return f"{event.name} = {value_words(event.data.get('value'), 20)}"
 
     def _because(self, step: Step) -> list[str]:

@@ -11,12 +11,12 @@ from typing import Any, NamedTuple
 
 from rai_missions.engine.decision import Verdict
 from rai_missions.engine.step import Step, control_note
-from rai_missions.event import Event, is_e_stop
+from rai_missions.event import is_e_stop
 from rai_missions.plain_data import plain
 from rai_missions.states import answerer_words
 from rai_missions.states.state import CONTROLLERS
 
-__all__ = ("Description", "describe", "effect_word", "event_words", "resting_words", "step_json", "way_words")
+__all__ = ("Description", "describe", "effect_word", "resting_words", "step_json", "way_words")
 
 SHOWN = {control_note(holder): control_note(words) for holder, words in CONTROLLERS.items()}
 SHOWN[control_note("nobody")] += ", until the operator gives it"
@@ -28,7 +28,7 @@ class Description(NamedTuple):
     """A step in words."""
 
     event: str
-    """Such as `anomaly`, `drive (3)`, `answered by the model`, `time`."""
+    """Such as `anomaly`, `drive (3)`, `answered by the model`, `time`, `time: timed_out`."""
     way: str
     """States left and entered, such as `driving → assessing`; empty where none was entered."""
     effects: tuple[str, ...]
@@ -49,7 +49,7 @@ def describe(step: Step) -> Description:
     remarks = tuple(SHOWN.get(each, each) for each in step.remarks)
     verdicts = tuple(_verdict_words(each, step.notes[each.note]) for each in step.verdicts if each.note is not None)
     return Description(
-        event_words(step.event), way_words(step.exited, step.entered),
+        _event_words(step), way_words(step.exited, step.entered),
         tuple(effect.describe() for effect in step.effects), verdicts, (*remarks, *resting),
         f"{step.outcome}: {step.why}" if step.outcome else step.why, (*step.notes, *resting),
     )  # fmt: skip
@@ -94,8 +94,12 @@ def effect_word(kind: type[Any]) -> str:
     return "".join(f"_{letter.lower()}" if letter.isupper() else letter for letter in kind.__name__).lstrip("_")
 
 
-def event_words(event: Event) -> str:
-    """An event by its name, and the number of what it answers; the command `kill` as the e-stop that it is."""
+def _event_words(step: Step) -> str:
+    """An event by its name, and the number of what it answers; the command `kill` as the e-stop that it is.
+
+    Time comes with what it brought: an outcome, or an event that was raised before.
+    """
+    event = step.event
     if event.kind in ("accepted", "result"):
         return f"{event.name} ({event.number})"
     if event.kind == "proposal":
@@ -103,7 +107,10 @@ def event_words(event: Event) -> str:
         return f"answered by {who}" if "option" in event.data else f"no answer: {who}"
     if is_e_stop(event):
         return "e-stop"
-    return {"tick": "time", "control": "control"}.get(event.kind, event.name)
+    if event.kind == "tick":
+        brought = step.moves[0].trigger if step.moves else ""
+        return "time" if brought in ("", "after_s") else f"time: {brought}"
+    return "control" if event.kind == "control" else event.name
 
 
 def way_words(exited: Sequence[str], entered: Sequence[str]) -> str:

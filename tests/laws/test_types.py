@@ -5,6 +5,7 @@ it."""
 from __future__ import annotations
 
 import json
+import math
 import re
 from typing import Any
 
@@ -17,7 +18,7 @@ from rai_missions.engine import Chart
 from rai_missions.engine.step import Ask, CallService, StartGoal, Step
 from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event
-from rai_missions.keys import LIKE, Key, TypeName, type_error
+from rai_missions.keys import LIKE, Key, TypeName, pose_slip, type_error
 from rai_missions.mission.mission import Mission
 
 Json = dict[str, Any]
@@ -152,6 +153,24 @@ def test_an_item_that_does_not_fit_ends_its_each_instead_of_a_round_with_the_ite
     made = Chart(mission_of("each", "integer", 1), CompiledTrees())
     step = through("each", made, "seven")[0]
     assert step.entered == ("a", "z")
+
+
+@given(
+    st.fixed_dictionaries(
+        {"x": st.floats(-9, 9), "y": st.floats(-9, 9)}, optional={"z": st.floats(-9, 9), "yaw": st.floats(-400, 400)}
+    ),
+    st.sampled_from(["", "yaw_deg", "theta", "heading", "name"]),
+)
+def test_a_pose_that_a_person_wrote_has_its_own_words_and_turns_no_further_than_round(pose: Json, more: str) -> None:
+    key, written = Key("pose"), {**pose, **({more: 90} if more else {})}
+    why = pose_slip(key, written)
+    assert not type_error(key, written)  # a robot may report it so
+    assert bool(why) == bool(more or abs(pose.get("yaw", 0.0)) > 2 * math.pi)
+    if why and not more:
+        meant = float(why.rpartition(" ")[2])
+        assert meant == pytest.approx(math.radians(pose["yaw"]), rel=1e-3)
+        assert "radians" in why
+    assert not pose_slip(Key("object"), written)
 
 
 def test_an_answer_that_does_not_fit_its_key_is_refused_as_one_with_other_invalid_parameters() -> None:
