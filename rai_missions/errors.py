@@ -36,6 +36,7 @@ __all__ = (
     "pointer",
     "steps_of",
     "suggestion",
+    "uncalled",
     "unescaped",
 )
 
@@ -107,6 +108,12 @@ def suggestion(given: str, known: Iterable[str]) -> str:
         return f"; did you mean '{close}'?"
     shown = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
     return f"; there is: {shown}" if shown else ""
+
+
+def uncalled(given: object) -> str:
+    """`; write Action(…)` for a class or function where what it makes is due; empty for all else."""
+    name = getattr(given, "__name__", "") if callable(given) else ""
+    return f"; write {name}(…)" if name.isidentifier() else ""
 
 
 def meant(error: BaseException) -> str:

@@ -16,7 +16,7 @@ from typing import Annotated, Any, Protocol, Self, TypeVar, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 from typing_extensions import get_protocol_members, is_protocol
 
-from rai_missions.errors import DefinitionError, Fault, UsageError, pointer, suggestion
+from rai_missions.errors import DefinitionError, Fault, UsageError, pointer, suggestion, uncalled
 from rai_missions.event import Event
 from rai_missions.redaction import shown
 
@@ -244,7 +244,8 @@ def _sentence(item: Any, model: type[Any] | None, known: Collection[str]) -> str
         near = suggestion(given, choices) if isinstance(given, str) and choices else f"; it is {ctx['expected']}"
         return f"no such choice: {shown(given)}{near}"
     if kind in WANTED:
-        return f"{shown(given)} is {WANTED[kind]}"
+        what, _, remedy = WANTED[kind].partition("; ")
+        return f"{shown(given)} is {what}{uncalled(given) or f'; {remedy}'}"
     if kind in BOUNDED:
         return BOUNDED[kind](given, ctx)
     return f"{shown(given)} does not belong here: {item['msg'][:1].lower()}{item['msg'][1:]}"

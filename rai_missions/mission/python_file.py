@@ -13,7 +13,7 @@ import sys
 import traceback
 from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
+from types import CoroutineType, ModuleType
 from typing import Any
 
 from rai_missions.errors import DefinitionError, Fault, meant, suggestion
@@ -77,12 +77,16 @@ def call_offered(function: Callable[[], Any], file: Path) -> Any:
     """What a function of such a file returns.
 
     Raises:
-        DefinitionError: It raises.
+        DefinitionError: It raises, or is an `async def`.
     """
     try:
-        return function()
+        made = function()
     except (Exception, SystemExit) as error:
         raise _from(error, file.resolve(), str(file), meant(error)) from error
+    if isinstance(made, CoroutineType):
+        made.close()
+        raise _refused(f"{made.__name__}() is an async function, and nothing awaits it; write `def`", file)
+    return made
 
 
 def _from(error: BaseException, path: Path, name: str, hint: str = "") -> DefinitionError:

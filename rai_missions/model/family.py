@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import core_schema
 
-from rai_missions.errors import UsageError, suggestion
+from rai_missions.errors import UsageError, suggestion, uncalled
 from rai_missions.kinds import PackageOffer, known_names, offered
 from rai_missions.model.fields import NAME, fault
 from rai_missions.model.mission_model import MissionModel
@@ -133,7 +133,7 @@ class TaggedModel(MissionModel):
         if isinstance(data, cls):
             return data
         if not isinstance(data, Mapping):
-            raise fault("object", f"a {cls.family} is an object, not {shown(data)}{cls.remedy(data)}")
+            raise fault("object", f"a {cls.family} is an object, not {shown(data)}{uncalled(data) or cls.remedy(data)}")
         kind = cls.kind(cls.choose(data))
         assert kind is not None
         return kind.model_validate(data)

@@ -158,6 +158,9 @@ class MissionModel(Model):  # noqa: PLW1641 - pydantic gives a frozen model its 
             return False
         return all(list(self.__dict__[name]) == list(other.__dict__[name]) for name in self.ordered)
 
+    __iter__ = None
+    """Else pydantic takes one that is given alone, where a list of them is due, for a list of its words."""
+
     def __getattr__(self, name: str) -> NoReturn:
         raise AttributeError(_NoSuchAttribute(type(self), name))
 

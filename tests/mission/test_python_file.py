@@ -63,6 +63,10 @@ def test_python_is_refused_unexecuted_where_it_is_not_wanted(tmp_path: Path) -> 
         ("x = 1", "/: the file has no 'mission'; write `mission = Mission(…)` or `def mission() -> Mission:`"),
         ("mission = 3", "/: 'mission' is '3'; it is to be a Mission, or a function of it"),
         ("def mission():\n    return 3", "/: mission() returned '3'; return a Mission"),
+        (
+            "async def mission():\n    return 3",
+            "/: mission() is an async function, and nothing awaits it; write `def`",
+        ),
         ("def f():\n    raise ValueError\ndef mission():\n    f()", "/: line 2: ValueError"),
         ("def mission():\n    return mission()", "/: line 2: RecursionError"),
         (

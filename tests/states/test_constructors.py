@@ -189,3 +189,27 @@ def test_an_editor_completes_the_words(
     source = f"from rai_missions import Key, On\nfrom rai_missions.states import Action, Decision, tree\n{line}"
     completed = jedi.Script(source, project=jedi.Project(ROOT)).complete(3, len(line))
     assert word in [each.name for each in completed]
+
+
+@pytest.mark.parametrize("family", [Effect, Guard, State, TreeNode], ids=lambda each: each.__name__)
+def test_a_class_where_what_it_makes_is_due_is_answered_with_its_call(family: Any) -> None:
+    for kind in family.kinds.values():
+        with pytest.raises(ValueError, match=rf"is an object, not .*; write {kind.__name__}\(…\)"):
+            family.read(kind)
+
+
+@pytest.mark.parametrize(
+    ("made", "sentence"),
+    [
+        (
+            lambda: Mission("m", initial="a", states={"a": Action}),
+            r"/states/a: a state is an object.*; write Action\(…\)",
+        ),
+        (lambda: State(transitions=[On]), r"/transitions/0: .* is not an object; write On\(…\)"),
+        (lambda: State(transitions=On("go", to="a")), r"/transitions: Transition\(.* is not a list; write \[…\]"),
+        (lambda: Action("go", timeout_s=min), r"/timeout_s: .* is not a number; write min\(…\)"),
+    ],
+)
+def test_what_is_of_another_kind_is_named_with_what_would_be_right(made: Any, sentence: str) -> None:
+    with pytest.raises(DefinitionError, match=sentence):
+        made()
