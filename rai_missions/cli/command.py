@@ -125,7 +125,7 @@ class Parameter(NamedTuple):
         elif self.has_one_value:
             words["action"] = "append"  # so that one that is given again is seen
         shown = self.help.replace("%", "%%")
-        if self.default not in (None, False, ()):
+        if self.default not in (None, False, (), ""):
             shown += f" (default: {self.default})"
         return parser.add_argument(*self.flags, help=shown, **words)
 

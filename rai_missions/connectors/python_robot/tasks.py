@@ -7,6 +7,7 @@ Rule: asyncio is imported by this file alone, which is loaded with the first suc
 from __future__ import annotations
 
 import asyncio
+import inspect
 import threading
 from collections.abc import Callable, Coroutine
 from contextlib import suppress
@@ -100,9 +101,27 @@ class TaskExecution(Execution):
 class AsyncActionRun(GoalRun[TaskExecution]):
     """The run of a goal that an `async def` pursues on the robot's event loop."""
 
-    async def sleep(self, seconds: float) -> None:
-        """Wait for seconds of the run's clock; less where the mission cancels the goal meanwhile."""
-        await self.execution.sleep_async(seconds)
+    _waits: tuple[Coroutine[Any, Any, None], ...] = ()
+    """Those that have yet to begin."""
+
+    def sleep(self, seconds: float) -> Coroutine[Any, Any, None]:
+        """Await this: a wait for seconds of the run's clock; less where the mission cancels the goal meanwhile."""
+        wait = self.execution.sleep_async(seconds)
+        self._waits = (*self._unbegun(), wait)
+        return wait
+
+    def finish(self, returned: Any) -> None:
+        """As of any run; but what did not await its waits has failed, for it was quicker than it should be."""
+        forgotten = self._unbegun()
+        for wait in forgotten:
+            wait.close()
+        if forgotten:
+            self.fail(RuntimeError("run.sleep was called without await; write `await run.sleep(…)`"))
+        else:
+            super().finish(returned)
+
+    def _unbegun(self) -> tuple[Coroutine[Any, Any, None], ...]:
+        return tuple(wait for wait in self._waits if inspect.getcoroutinestate(wait) == inspect.CORO_CREATED)
 
 
 def _turn(loop: asyncio.AbstractEventLoop) -> None:

@@ -101,6 +101,23 @@ def test_an_async_action_waits_on_an_event_loop_and_shares_it_with_others(
     assert len(set(loops)) == 1
 
 
+def test_an_async_action_that_awaits_no_wait_of_its_own_has_failed(
+    robot: PythonRobot, reached: PythonRobotConnector
+) -> None:
+    @robot.action("hasty")
+    async def hasty(goal: Any, run: AsyncActionRun) -> None:
+        await run.sleep(0.001)
+        run.sleep(0.001)
+
+    @robot.action("patient")
+    async def patient(goal: Any, run: AsyncActionRun) -> None:
+        await asyncio.gather(run.sleep(0.001), run.sleep(0.002))
+
+    why = "RuntimeError: run.sleep was called without await; write `await run.sleep(…)`"
+    assert (end_of(pursued(reached, "hasty")).status, end_of(pursued(reached, "hasty")).why) == ("failed", why)
+    assert end_of(pursued(reached, "patient")).status == "succeeded"
+
+
 def fails(goal: Any, run: ActionRun) -> None:
     raise ValueError("no motor")
 
