@@ -8,6 +8,7 @@ counts as one: what would be printed next has no reader.
 
 from __future__ import annotations
 
+import shlex
 import signal
 import sys
 from collections.abc import Sequence
@@ -54,7 +55,9 @@ def _without_command(words: Sequence[str]) -> int:
     if words and not words[0].startswith("-"):
         from rai_missions.errors import suggestion
 
-        meant = _with_option(words[0]) or suggestion(words[0], names())
+        is_mission = words[0].endswith((".json", ".py"))
+        run_it = f"; to run a mission, write: rai-missions run {shlex.quote(words[0])}" if is_mission else ""
+        meant = run_it or _with_option(words[0]) or suggestion(words[0], names())
         root.error(f"there is no command {words[0]!r}{meant}")
     if root.parse_args(words).version:
         from importlib.metadata import version

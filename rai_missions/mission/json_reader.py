@@ -173,7 +173,7 @@ def _syntax(error: json.JSONDecodeError, text: str) -> str:
     remedy = next((remedy for pattern, remedy in REMEDIES if pattern.match(rest)), "")
     if COMMA.match(rest) or (text[: error.pos].rstrip().endswith(",") and rest[:1] in "}]"):
         remedy = "; take away the comma before the end"
-    return f"not JSON: {reason}, at {shown(rest[:20].partition(chr(10))[0])}{remedy}"
+    return f"not JSON: {reason.removesuffix(' at')}, at {shown(rest[:20].partition(chr(10))[0])}{remedy}"
 
 
 COMMA = re.compile(r",\s*[}\]]")
@@ -182,6 +182,9 @@ REMEDIES = (
     (re.compile("'"), "; texts and words are in double quotes"),
     (re.compile("True|False"), "; write true or false, in lower case"),
     (re.compile("None"), "; write null"),
+    (re.compile(r"\t"), "; inside a text a tabulator is \\t"),
+    (re.compile(r"[\r\n]"), "; end the text with a quote on its line, or write \\n for a new line"),
+    (re.compile(r"---|[A-Za-z_][\w-]*\s*:"), '; JSON has braces around it, and its words in quotes: {"format": 1}'),
 )
 """What those write who know another format → what is right here."""
 

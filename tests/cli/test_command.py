@@ -116,6 +116,7 @@ def test_words_of_a_command_line_become_typed_arguments_in_any_order(
     ("words", "sentence"),
     [
         ("cuont 3", "rai-missions: error: there is no command 'cuont'; did you mean 'count'?"),
+        ("m.json", "there is no command 'm.json'; to run a mission, write: rai-missions run m.json"),
         (
             "is-loud",
             "rai-missions: error: there is no command 'is-loud'; it is an option: rai-missions count UPTO [FROM] --is",

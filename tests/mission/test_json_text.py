@@ -67,6 +67,20 @@ def test_a_text_cut_short_is_never_read_as_a_whole_object(value: object, data: s
             "/: line 1, column 7: not JSON: expecting value, at 'True}'; write true or false, in lower case",
         ),
         (b'{"a": None}', "/: line 1, column 7: not JSON: expecting value, at 'None}'; write null"),
+        (
+            b'{"a": "b\tc"}',
+            "/: line 1, column 9: not JSON: invalid control character, at '\tc\"}'; inside a text a tabulator is \\t",
+        ),
+        (
+            b'{"a": "b,\n"c": 1}',
+            "/: line 1, column 10: not JSON: invalid control character, at ''; "
+            "end the text with a quote on its line, or write \\n for a new line",
+        ),
+        (
+            b"format: 1\nname: m\n",
+            "/: line 1, column 1: not JSON: expecting value, at 'format: 1'; "
+            'JSON has braces around it, and its words in quotes: {"format": 1}',
+        ),
         (b"{} {}", "/: line 1, column 4: there is more after the end of the JSON value; keep one value a file"),
         (b'{"a":\n"\xff"}', "/: line 2, byte 7: not UTF-8; save the file in that encoding"),
         ('{"a": 1}'.encode("utf-16"), "/: line 1, byte 0: not UTF-8; save the file in that encoding"),

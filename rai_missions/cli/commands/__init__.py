@@ -23,7 +23,8 @@ __all__ = ("load_command", "names", "root_parser", "whole_parser")
 ABOUT = "Missions for robots: rules own the state, models only answer questions."
 AFTER = (
     "'rai-missions COMMAND --help' explains a command.\n\n"
-    "exit status: 0 it succeeded or holds, 1 it ended otherwise or does not hold, 2 the input is at fault"
+    "exit status: 0 it succeeded or holds, 1 it ended otherwise or does not hold, 2 the input is at fault, "
+    "130 it was cut short by Ctrl-C"
 )
 
 
