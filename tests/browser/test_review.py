@@ -11,7 +11,10 @@ import pytest
 
 from rai_missions.check import check
 from rai_missions.engine import Chart
+from rai_missions.engine.decision import Verdict
+from rai_missions.engine.step import Step
 from rai_missions.engine.trees import CompiledTrees
+from rai_missions.event import Event
 from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
 from tests.browser.conftest import Open, until
@@ -23,6 +26,8 @@ from tests.visualize.runs import ROOT, document, tractor
 from visualize.page import review, run_of_steps
 
 LENSES = {lens["name"]: lens for lens in data_of(review(tractor()))["lenses"]}
+
+VERDICT = Verdict(False, "it is away", "absent", by="agent", note=0)
 
 
 def lit(window: Any, what: str = ".state", word: str = "state") -> set[str]:
@@ -164,6 +169,17 @@ def test_a_question_is_shown_as_it_was_asked_with_its_picture_its_answer_and_the
         "was not offered",
     ):
         assert words in reported
+
+
+def test_one_who_cannot_answer_is_named_with_the_reason_once(opened: Open) -> None:
+    asked = next(step for step in answered(tractor()) if step.question)
+    assert asked.question is not None
+    absent = Event(asked.question.asked, asked.at, {"absent": "it is away"}, "proposal", asked.question.number)
+    silent = Step(
+        asked.seq + 1, asked.at, absent, verdicts=(VERDICT._replace(number=absent.number),), notes=("absent",)
+    )
+    window = opened(review(tractor(), runs=[run_of_steps([asked, silent])]), "#run=0&step=1")
+    assert window.inner_text(".verdict") == "no answer: question 2: the model cannot answer: it is away"
 
 
 def test_steps_go_by_keys_and_jump_from_change_to_change(journal: Path, opened: Open) -> None:

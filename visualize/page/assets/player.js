@@ -140,7 +140,7 @@ class Player {
       return make("tr", { class: `${stale ? "stale" : "fresh"}${written.has(name) ? " written" : ""}`,
         "data-key": name }, make("td", {}, make("code", {}, name)),
         make("td", {}, valueView(value)),
-        make("td", {}, stale ? make("b", {}, "stale, ") : "", `${age.toFixed(age < 10 ? 2 : 0)} s old`));
+        make("td", { class: "short" }, stale ? make("b", {}, "stale, ") : "", `${age.toFixed(age < 10 ? 2 : 0)} s old`));
     });
     return make("section", {}, make("h3", {}, "Blackboard"),
       make("table", { class: "board" }, make("tbody", {}, rows)));
@@ -175,13 +175,11 @@ class Player {
         make("td", {}, each.picture ? pictured(this.data.images[each.picture], `${each.key} as it was shown`)
           : each.fresh ? valueView(each.value)
           : "unknown"),
-        make("td", {}, each.age_s === null ? "never received" : `${Number(each.age_s).toFixed(2)} s old`))))),
+        make("td", { class: "short" }, each.age_s === null ? "never received" : `${Number(each.age_s).toFixed(2)} s old`))))),
       this.offered(question),
       (question.refused || []).length ? listed("Refused before", question.refused.map((each) => make("li", {}, each)))
         : "",
-      judged ? make("p", { class: "verdict" }, make("b", {}, `${question.whom} answered: `),
-        this.proposal(question.proposal), make("br", {}), make("b", {}, "verdict: "),
-        question.verdict.join("; ")) : make("p", { class: "muted" }, `until ${valueText(question.until, 2)} s`));
+      judged ? make("p", { class: "verdict" }, this.proposal(question), question.verdict.join("; ")) : make("p", { class: "muted" }, `until ${valueText(question.until, 2)} s`));
   }
 
   offered(question) {
@@ -202,11 +200,13 @@ class Player {
     }));
   }
 
-  proposal(given) {
-    const { option, why, parameters } = given || {};
-    if (option === undefined) return valueText(given || {});
+  /** What was proposed, ahead of its verdict; where there is no option, the verdict has all that is known. */
+  proposal({ whom, proposal }) {
+    const { option, why, parameters } = proposal || {};
+    if (option === undefined) return make("b", {}, "no answer: ");
     const values = parameters && Object.keys(parameters).length ? ` (${valueText(parameters)})` : "";
-    return `${valueText(option)}${values}${why ? ` – “${valueText(why)}”` : ""}`;
+    return [make("b", {}, `${whom} answered: `), `${valueText(option)}${values}${why ? ` – “${valueText(why)}”` : ""}`,
+      make("br", {}), make("b", {}, "verdict: ")];
   }
 
   questions(run) {
