@@ -16,14 +16,19 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.connectors.python_robot import PythonRobot, PythonRobotConnector, RobotTime
 from rai_missions.connectors.registry import check_connector, open_offered
 from rai_missions.errors import UsageError
+from rai_missions.keys import Key
 from rai_missions.kinds import PackageOffer
 from rai_missions.profile import Robot, middleware_faults
 from rai_missions.profile.python_robot import KIND
+from rai_missions.redaction import logger
 from rai_missions.runtime.clock import Clock, PublishedClock, SimulatedClock, WallClock
 from rai_missions.runtime.robot_clock import RobotClock
 from rai_missions.worlds.world import World, check_local, continued_options, open_world, put_on, world_offer
 
 __all__ = ("RunEnvironment", "open_environment")
+
+log = logger(__name__)
+SLOW = "fact '%s' is read every %g s, and is stale after %g s: in between it is unknown; read it more often (every_s)"
 
 
 class RunEnvironment(NamedTuple):
@@ -69,9 +74,17 @@ def _open_python(plan: RunPlan, robot: PythonRobot) -> RunEnvironment:
     robot_time = RobotTime(steered=given is None and speed not in (None, 1.0))
     steered = RobotClock(robot_time, speed or math.inf) if robot_time.is_steered else WallClock()
     clock = plan.continued(given or steered)
-    keys = [name for name, key in plan.mission.blackboard.items() if key.source == "robot"]
+    keys = {name: key for name, key in plan.mission.blackboard.items() if key.source == "robot"}
+    _name_slow_facts(robot, keys)
     connector = PythonRobotConnector(robot, now=clock.now, robot_time=robot_time, events=plan.mission.events, keys=keys)
     return RunEnvironment(None, connector, clock)
+
+
+def _name_slow_facts(robot: PythonRobot, keys: Mapping[str, Key]) -> None:
+    for name, key in keys.items():
+        fact = robot.fact_functions.get(name)
+        if fact is not None and fact.read is not None and key.max_age_s is not None and fact.every_s >= key.max_age_s:
+            log.warning(SLOW, name, fact.every_s, key.max_age_s)
 
 
 def _open_connector(

@@ -139,6 +139,17 @@ def test_a_value_is_held_to_the_type_of_its_key(robot: PythonRobot) -> None:
         run(mission({"driving": doing("drive")}, blackboard=keys, ready_s=0.2), robot)
 
 
+@pytest.mark.parametrize(("every_s", "is_slow"), [(2.9, False), (3.0, True), (7.0, True)])
+def test_a_fact_that_is_read_more_seldom_than_it_goes_stale_is_named(
+    robot: PythonRobot, caplog: pytest.LogCaptureFixture, every_s: float, is_slow: bool
+) -> None:
+    del robot.fact_functions["x"]
+    robot.fact("x", every_s=every_s)(lambda: 2.0)
+    assert run(DRIVING, robot, speed=math.inf).outcome == "succeeded"
+    sentence = f"fact 'x' is read every {every_s:g} s, and is stale after 3 s: in between it is unknown; read it more"
+    assert any(each.getMessage().startswith(sentence) for each in caplog.records) is is_slow
+
+
 def test_an_event_before_the_start_is_dropped_and_noted_and_one_after_it_is_taken(
     robot: PythonRobot, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
