@@ -326,8 +326,10 @@ def check_given(given: object, kinds: type | tuple[type, ...], taker: str, wante
     Raises:
         UsageError: It is of none.
     """
-    if not _is_of(given, kinds if isinstance(kinds, tuple) else (kinds,)):
-        raise UsageError(f"{taker} takes {wanted}, not {shown(given)}{f'; {remedy}' if remedy else ''}")
+    kinds = kinds if isinstance(kinds, tuple) else (kinds,)
+    if not _is_of(given, kinds):
+        what = f"; {remedy}" if remedy else uncalled(given) or _lacking(given, kinds)
+        raise UsageError(f"{taker} takes {wanted}, not {shown(given)}{what}")
 
 
 def _is_of(given: object, kinds: tuple[type, ...]) -> bool:
@@ -339,6 +341,13 @@ def _is_of(given: object, kinds: tuple[type, ...]) -> bool:
 def _has_members(given: object, protocol: type) -> bool:
     """Whether an instance has what a protocol names; `isinstance` looks past a `__getattr__` from Python 3.12 on."""
     return not isinstance(given, type) and all(hasattr(given, name) for name in get_protocol_members(protocol))
+
+
+def _lacking(given: object, kinds: tuple[type, ...]) -> str:
+    """`; it has no start, stop` for an object of a program that has some of a protocol; empty for all else."""
+    asked = (name for each in kinds if is_protocol(each) for name in get_protocol_members(each))
+    lacks = sorted(name for name in asked if not hasattr(given, name))
+    return f"; it has no {', '.join(lacks)}" if lacks and hasattr(given, "__dict__") else ""
 
 
 def check_seconds(given: object, taker: str) -> None:

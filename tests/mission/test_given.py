@@ -175,3 +175,28 @@ def test_what_is_posted_to_a_run_is_an_event(given: Any) -> None:
 def test_what_no_journal_could_hold_is_refused_where_it_is_posted(given: Any) -> None:
     with pytest.raises(UsageError, match="a journal"):
         Runner(WAITING).post(Event("go", data={"far": given}))
+
+
+class HalfConnector:
+    """What a program begins to write."""
+
+    modes = running = None
+
+    def start(self) -> None: ...
+    def stop(self) -> None: ...
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        (LocalConnector, r"not <class .*LocalConnector'>; write LocalConnector\(…\)$"),
+        (
+            HalfConnector(),
+            r"; it has no call, cancel_goal, find_goal, listed, offer, publish, send_goal, serve, subscribe$",
+        ),
+        (3, "takes a connector, not 3$"),
+    ],
+)
+def test_what_is_nearly_a_connector_is_refused_with_what_it_lacks(given: Any, sentence: str) -> None:
+    with pytest.raises(UsageError, match=sentence):
+        run(MISSION, connector=given)
