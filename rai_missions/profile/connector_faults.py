@@ -57,7 +57,7 @@ def middleware_faults(mission: Mission, robot: Robot) -> tuple[Fault, ...]:
 
 
 def field_faults(mission: Mission | None, robot: Robot) -> tuple[Fault, ...]:
-    """The fields that types of messages lack; types that are absent on this machine are left to the robot's.
+    """The types that no machine has, and the fields that types lack; those absent here are left to the robot's machine.
 
     Args:
         mission: What is to run; without one everything that the profile names is looked at.
@@ -65,9 +65,12 @@ def field_faults(mission: Mission | None, robot: Robot) -> tuple[Fault, ...]:
     """
     try:
         offer = check_connector(str(robot.connector["kind"]))
-        return _field_faults(mission, robot, offer.load()) if offer is not None else ()
+        package: Any = offer.load() if offer is not None else None
     except UsageError:
         return ()
+    why_no_type = getattr(package, "why_no_type", None)
+    unknown = lacking(mission, robot, why_no_type) if why_no_type is not None else ()
+    return (*unknown, *_field_faults(mission, robot, package))
 
 
 def _field_faults(mission: Mission | None, robot: Robot, package: Any) -> tuple[Fault, ...]:

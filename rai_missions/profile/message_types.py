@@ -55,11 +55,11 @@ def listened(mission: Mission | None, robot: Robot) -> Iterator[tuple[Place, Sou
         yield ("holder",), robot.holder
 
 
-def lacking(mission: Mission, robot: Robot, why: Callable[[str, TypeKind], str]) -> tuple[Fault, ...]:
+def lacking(mission: Mission | None, robot: Robot, why: Callable[[str, TypeKind], str]) -> tuple[Fault, ...]:
     """What cannot be understood here.
 
     Args:
-        mission: What is to run.
+        mission: What is to run; without one everything that the profile names is looked at.
         robot: On which robot.
         why: Takes a type and its kind, and gives why it is not here; empty if it is.
     """

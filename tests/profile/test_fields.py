@@ -16,7 +16,7 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.event import Event
 from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import Robot, load_profile, unknown_fields
+from rai_missions.profile import Robot, field_faults, load_profile, unknown_fields
 from rai_missions.runtime.clock import WallClock
 from rai_missions.runtime.mailbox import Mailbox
 from rai_missions.runtime.robot_listener import RobotListener
@@ -198,6 +198,25 @@ def test_a_field_that_is_not_there_is_refused_before_a_start_over_ros_and_by_che
     run = ["--no-operator", "--journal", str(tmp_path / "a.journal")] if command == "run" else []
     assert main([*given, *run]) == 2
     assert "a sensor_msgs/msg/BatteryState has no field 'percent'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [
+        ("std_msgs/Int32", "'std_msgs/Int32' is no name of a message type; one looks like 'std_msgs/msg/String'"),
+        ("std_srvs/srv/Trigger", "'std_srvs/srv/Trigger' is no name of a message type; one looks like"),
+        ("my_robot_msgs/msg/Level", ""),  # of the robot's own machine
+        ("std_msgs/msg/Strng", "std_msgs has no message type 'Strng'; did you mean 'String'?"),
+    ],
+)
+def test_a_type_that_no_machine_has_is_found_without_the_robot(name: str, sentence: str) -> None:
+    if name.startswith("std_msgs/msg"):
+        pytest.importorskip("std_msgs", reason="no ROS 2 on this machine")
+    sources = {"battery": {"topic": "/b", "type": name}}
+    robot = Robot.model_validate({"name": "r", "connector": {"kind": "ros2"}, "blackboard": sources})
+    found = [str(each) for each in field_faults(None, robot)]
+    assert len(found) == bool(sentence)
+    assert all(each.startswith(f"/blackboard/battery/type: {sentence}") for each in found)
 
 
 def test_a_message_without_the_field_is_reported_once_and_one_that_leaves_it_open_is_not(

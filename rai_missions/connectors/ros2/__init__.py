@@ -22,6 +22,7 @@ __all__ = (
     "open_connector",
     "why_absent",
     "why_no_name",
+    "why_no_type",
 )
 
 REPLIES = {"srv": "response"}
@@ -99,6 +100,13 @@ def why_absent(type_name: str, kind: TypeKind) -> str:
     from rai_missions.connectors.ros2 import names
 
     return names.why_absent(type_name, kind)
+
+
+def why_no_type(type_name: str, kind: TypeKind) -> str:
+    """Why no machine has a type of messages, in a sentence; empty if one may have it."""
+    from rai_missions.connectors.ros2 import names
+
+    return names.why_no_type(type_name, kind)
 
 
 def why_no_name(name: str, kind: TypeKind) -> str:

@@ -15,7 +15,7 @@ from typing import Any
 from rai_missions.connectors.connector import TypeKind
 from rai_missions.errors import ConnectorError, suggestion
 
-__all__ = ("check_name", "find_type", "why_absent")
+__all__ = ("check_name", "find_type", "why_absent", "why_no_type")
 
 WHAT = {"msg": "message", "srv": "service", "action": "action"}
 EXAMPLE = {"msg": "std_msgs/msg/String", "srv": "std_srvs/srv/Trigger", "action": "nav2_msgs/action/NavigateToPose"}
@@ -23,6 +23,10 @@ INTERFACES = ("_msgs", "_srvs", "_interfaces")
 """How the name of a package of types ends."""
 OURS_TO_BUILD = {"nav2_msgs": " (Nav2)", "rai_interfaces": " (RAI)", "rai_missions_msgs": "", "tf2_msgs": ""}
 """Packages that no wheel brings and whose definitions we have, and what brings them along on a robot."""
+
+
+class NoSuchType(ConnectorError):
+    """A type that no machine has: its name is none, or its package lacks it."""
 
 
 @cache
@@ -58,7 +62,7 @@ def find_type(name: str, kind: TypeKind) -> Any:
     middle, _, last = rest.partition("/")
     if middle != kind or not package.isidentifier() or not last.isidentifier():
         given = f"{name!r} is no name of a {WHAT[kind]} type" if name else f"a {WHAT[kind]} needs the name of its type"
-        raise ConnectorError(f"{given}; one looks like {EXAMPLE[kind]!r}")
+        raise NoSuchType(f"{given}; one looks like {EXAMPLE[kind]!r}")
     _check_is_interfaces(package, kind)
     try:
         module = importlib.import_module(f"{package}.{kind}")
@@ -67,7 +71,7 @@ def find_type(name: str, kind: TypeKind) -> Any:
     found = getattr(module, last, None)
     if not hasattr(found, "_TYPE_SUPPORT"):
         there = [each for each in vars(module) if each[0].isupper()]
-        raise ConnectorError(f"{package} has no {WHAT[kind]} type {last!r}{suggestion(last, there)}")
+        raise NoSuchType(f"{package} has no {WHAT[kind]} type {last!r}{suggestion(last, there)}")
     return found
 
 
@@ -112,6 +116,17 @@ def why_absent(name: str, kind: TypeKind) -> str:
         find_type(name, kind)
     except ConnectorError as fault:
         return str(fault)
+    return ""
+
+
+def why_no_type(name: str, kind: TypeKind) -> str:
+    """Why no machine has a type, in a sentence; empty if one has, or if nothing here has its package."""
+    try:
+        find_type(name, kind)
+    except NoSuchType as fault:
+        return str(fault)
+    except ConnectorError:
+        return ""
     return ""
 
 
