@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import product
 from typing import Any
 
 from rai_missions.errors import DefinitionError, Fault, suggestion
 from rai_missions.keys import pose_slip, type_error
 from rai_missions.mission.mission import Mission
+from rai_missions.states.compound import Each
 
 __all__ = ("accepted",)
 
@@ -39,9 +41,7 @@ def accepted(mission: Mission, arguments: Mapping[str, Any], *, whole: bool = Tr
     ]
     for name, key in takes.items():
         example = WRITTEN.get(key.type) if isinstance(arguments.get(name), str) else None
-        if name in arguments and (
-            why := type_error(key, arguments[name], written=example is None) or pose_slip(key, arguments[name])
-        ):
+        if name in arguments and (why := _unfit(mission, name, arguments[name], written=example is None)):
             remedy = f"; on a command line, quote JSON: --set '{name}={example}'" if example is not None else ""
             faults.append(Fault(f"/blackboard/{name}", f"the argument does not fit: {why}{remedy}"))
         if whole and name not in arguments and name in needed:
@@ -54,3 +54,16 @@ def accepted(mission: Mission, arguments: Mapping[str, Any], *, whole: bool = Tr
     if faults:
         raise DefinitionError(faults, mission.name)
     return arguments
+
+
+def _unfit(mission: Mission, name: str, value: Any, *, written: bool) -> str:
+    """Why a value is none of an argument's, with the items of a list that an `each` goes over; empty where it is."""
+    key = mission.blackboard[name]
+    if why := type_error(key, value, written=written) or pose_slip(key, value):
+        return why
+    rounds = (state for _, _, state in mission.walk() if isinstance(state, Each) and state.each == name)
+    items = [mission.blackboard[each.item] for each in rounds if key.type == "list" and each.item in mission.blackboard]
+    for item_key, (number, item) in product(items, enumerate(value if items else ())):
+        if why := type_error(item_key, item, written=written) or pose_slip(item_key, item):
+            return f"item {number}: {why}"
+    return ""

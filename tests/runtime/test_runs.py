@@ -264,6 +264,31 @@ def test_an_argument_that_the_mission_does_not_take_is_refused(arguments: dict[s
 
 
 @pytest.mark.parametrize(
+    ("given", "why"),
+    [
+        ({"x": 1, "y": 2, "frame": "map", "yaw": -3.1}, ""),
+        ({"x": 1, "y": 2, "frame": "map", "yaw": 90}, "yaw 90 is more than a turn; it is in radians: 90° are 1.571"),
+        ({"x": 1, "y": 2, "frame": "map", "yaw_deg": 90}, "a pose has no 'yaw_deg'; did you mean 'yaw'?"),
+        ({"x": 1, "y": 2, "frame": "odom"}, "is not in the frame of this key"),
+        ("kitchen", "'kitchen' is not of type 'pose'"),
+    ],
+)
+def test_a_pose_that_is_given_is_held_to_its_words_alone_and_in_a_list(given: Any, why: str) -> None:
+    pose = {"type": "pose", "source": "argument", "frame": "map"}
+    keys = {"home": pose, "bed": {"type": "pose", "frame": "map"}, "beds": {"type": "list", "source": "argument"}}
+    going = {"each": "beds", "as": "bed", "initial": "over", "states": {"over": {"final": "succeeded"}}}
+    states = {"going": going | {"transitions": [{"on": "succeeded", "to": "end"}]}, "end": {"final": "aborted"}}
+    mission = Mission.model_validate({"name": "taking", "initial": "going", "states": states, "blackboard": keys})
+    fit = {"x": 0, "y": 0, "frame": "map"}
+    for arguments, where in (({"home": given, "beds": [fit]}, ""), ({"home": fit, "beds": [fit, given]}, "item 1: ")):
+        if why:
+            with pytest.raises(DefinitionError, match=f"does not fit: {where}.*{re.escape(why)}"):
+                accepted(mission, arguments)
+        else:
+            assert accepted(mission, arguments) == arguments
+
+
+@pytest.mark.parametrize(
     ("bounds", "given", "why"),
     [
         ({"minimum": 1, "maximum": 3600}, 0, "0 is out of range; it must be from 1 to 3600"),
