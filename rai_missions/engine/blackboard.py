@@ -64,7 +64,7 @@ def write_key(program: Program, state: RunState, key: str, value: Any, by: str =
 
 
 def ask_named(program: Program, state: RunState, name: str, arguments: Mapping[str, Any]) -> Truth:
-    """The value of a predicate, noted so that a replay can repeat it."""
+    """The value of a predicate, noted so that a replay can repeat it; after a `#`, which note states what it raised."""
     predicate = program.named.get(name)
     if predicate is None:
         value = program.surroundings.predicate(state, name, arguments)
@@ -72,6 +72,8 @@ def ask_named(program: Program, state: RunState, name: str, arguments: Mapping[s
         return value
     keys, now = program.keys, state.at
     fresh = {key: entry.value for key, entry in state.board.items() if now < stale_at(keys.get(key), entry)}
-    value = foreign_truth(lambda: predicate(fresh, **arguments), name, state.draft.notes.append)
-    state.draft.looked.append((f"named:{name}", value))
+    notes, note = state.draft.notes, len(state.draft.notes)
+    value = foreign_truth(lambda: predicate(fresh, **arguments), name, notes.append)
+    raised = f"#{note}" if len(notes) > note else ""
+    state.draft.looked.append((f"named:{name}{raised}", value))
     return value

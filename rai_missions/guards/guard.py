@@ -29,6 +29,7 @@ __all__ = (
     "Instant",
     "OpenObject",
     "Operand",
+    "RaisedBefore",
     "Site",
     "Sources",
     "Test",
@@ -374,10 +375,17 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
         raise TypeError("a guard has no truth of its own; combine guards with & | ~, not with and, or, not")
 
 
+class RaisedBefore(Exception):
+    """What a predicate raised in the run that is replayed; its text is the note of then."""
+
+
 def foreign_truth(ask: Callable[[], object], word: str, note: Callable[[str], object]) -> Truth:
     """What code of others makes of a guard: unknown, with a note, where it raises; unknown also for no boolean."""
     try:
         value = ask()
+    except RaisedBefore as error:
+        note(str(error))
+        return None
     except Exception as error:  # noqa: BLE001 - the code of a user or of another package
         note(f"guard '{word}' raised {type(error).__name__}: {in_words(error)}")
         return None

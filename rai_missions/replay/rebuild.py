@@ -16,7 +16,7 @@ from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError, Fault, MissionError
 from rai_missions.event import is_e_stop
-from rai_missions.guards.guard import Truth
+from rai_missions.guards.guard import RaisedBefore, Truth
 from rai_missions.journal import Record, StepRow
 from rai_missions.mission.json_reader import parse_json
 from rai_missions.mission.mission import Mission
@@ -50,6 +50,7 @@ class JournalReplayer:
         self._source, self._live = str(record.path), named or {}
         self._recorded: deque[tuple[str, Truth]] | None = deque()
         """The values of predicates that the step in hand has looked at; None once the predicates are asked."""
+        self._notes: tuple[str, ...] = ()
         try:
             self.chart = Chart(
                 mission, ticker, terms=terms(robot) if robot is not None else None,
@@ -69,6 +70,7 @@ class JournalReplayer:
         """
         chart, step = self.chart, row.step
         self._recorded = deque((place[6:], value) for place, value in step.guards if place.startswith("named:"))
+        self._notes = step.notes
         if is_e_stop(step.event) and step.outcome:
             self.reworded = ("why",)
         try:
@@ -90,9 +92,13 @@ class JournalReplayer:
         """The value of a predicate of the user's program, as the journal has it."""
         if self._recorded is None:
             return self._live[name](known, **arguments)
-        if self._recorded and self._recorded[0][0] == name:
-            return self._recorded.popleft()[1]
-        return None
+        asked, _, note = self._recorded[0][0].partition("#") if self._recorded else ("", "", "")
+        if asked != name:
+            return None
+        if note:
+            self._recorded.popleft()
+            raise RaisedBefore(self._notes[int(note)])
+        return self._recorded.popleft()[1]
 
 
 def mission_of(record: Record) -> Mission:
