@@ -3,7 +3,9 @@
 // Rule: a line is text and never markup. A model's text is labelled, for it is no statement of the robot's rules.
 
 const MOST_LINES = 200;
-const WAYS = { rules: "by rule", model: "the model thinks, unchecked", documents: "a quotation", unknown: "no answer known" };
+const WAYS = {
+  rules: "by rule", model: "the model thinks, unchecked", documents: "a quotation", unknown: "no answer known",
+};
 const UNHEARD = { cut: "interrupted", failed: "not spoken: no one could be reached" };
 
 class Chat {

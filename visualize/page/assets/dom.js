@@ -75,8 +75,8 @@ function valueText(value, places = 3) {
   if (typeof value === "number") return Number.isInteger(value) ? String(value) : String(Number(value.toFixed(places)));
   if (typeof value === "boolean" || typeof value === "string") return String(value);
   if (Array.isArray(value)) {
-    const between = value.some((each) => each !== null && typeof each === "object" && !Array.isArray(each)) ? "; " : ", ";
-    return "[" + value.map((each) => valueText(each, places)).join(between) + "]";
+    const isObject = (each) => each !== null && typeof each === "object" && !Array.isArray(each);
+    return "[" + value.map((each) => valueText(each, places)).join(value.some(isObject) ? "; " : ", ") + "]";
   }
   if (value.picture !== undefined) return `picture ${value.picture}`;
   return Object.entries(value).map(([name, each]) => `${name} ${valueText(each, places) || "none"}`).join(", ");

@@ -140,7 +140,8 @@ class Player {
       return make("tr", { class: `${stale ? "stale" : "fresh"}${written.has(name) ? " written" : ""}`,
         "data-key": name }, make("td", {}, make("code", {}, name)),
         make("td", {}, valueView(value)),
-        make("td", { class: "short" }, stale ? make("b", {}, "stale, ") : "", `${age.toFixed(age < 10 ? 2 : 0)} s old`));
+        make("td", { class: "short" }, stale ? make("b", {}, "stale, ") : "",
+          `${age.toFixed(age < 10 ? 2 : 0)} s old`));
     });
     return make("section", {}, make("h3", {}, "Blackboard"),
       make("table", { class: "board" }, make("tbody", {}, rows)));
@@ -175,11 +176,13 @@ class Player {
         make("td", {}, each.picture ? pictured(this.data.images[each.picture], `${each.key} as it was shown`)
           : each.fresh ? valueView(each.value)
           : "unknown"),
-        make("td", { class: "short" }, each.age_s === null ? "never received" : `${Number(each.age_s).toFixed(2)} s old`))))),
+        make("td", { class: "short" },
+          each.age_s === null ? "never received" : `${Number(each.age_s).toFixed(2)} s old`))))),
       this.offered(question),
       (question.refused || []).length ? listed("Refused before", question.refused.map((each) => make("li", {}, each)))
         : "",
-      judged ? make("p", { class: "verdict" }, this.proposal(question), question.verdict.join("; ")) : make("p", { class: "muted" }, `until ${valueText(question.until, 2)} s`));
+      judged ? make("p", { class: "verdict" }, this.proposal(question), question.verdict.join("; "))
+        : make("p", { class: "muted" }, `until ${valueText(question.until, 2)} s`));
   }
 
   offered(question) {
