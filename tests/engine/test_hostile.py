@@ -143,6 +143,16 @@ def test_what_a_predicate_reported_is_in_its_own_step_whether_or_not_the_transit
     assert made.send(Tick(1.6)).guards == ()
 
 
+@pytest.mark.parametrize("value", [1, "true", [True], 0.0])
+def test_a_predicate_that_returns_no_truth_is_unknown_and_the_step_notes_it(value: Any) -> None:
+    made = asking(far=lambda board, than, by: value)
+    made.write("k", 7, at=1.0)
+    step = made.send(Event("x", 1.5))
+    note = f"guard 'far' raised TypeError: it returned {value!r}; give True, False, or None for unknown"
+    assert (step.entered, step.notes) == ((), (note,))
+    assert ("named:far#0", None) in step.guards
+
+
 def test_a_long_wait_does_at_each_instant_what_waking_there_does() -> None:
     late = {
         "tree": {"action": "cross", "timeout_s": 5},
