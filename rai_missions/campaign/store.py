@@ -80,6 +80,8 @@ TABLES = {
 }
 DELETE = "DELETE FROM cell WHERE cell = ? RETURNING calls, prompt_tokens + completion_tokens, cost"
 DROPPED = "dropped"
+NO_PLACE = (sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY, sqlite3.SQLITE_IOERR, sqlite3.SQLITE_FULL)
+"""How SQLite reports that it finds no place for its lock: no file can be made in the folder, or the disk is full."""
 
 
 class ResultStore:
@@ -304,7 +306,7 @@ def _opened(path: Path, *, writes: bool) -> sqlite3.Connection:
     if _mark(path) not in ((None, 0, APPLICATION) if writes else (None, APPLICATION)):
         raise UsageError(f"{path} is no store of a campaign; name another file")
     db = _connected(path, "mode=rw" if writes else "mode=ro")
-    if not writes and not _is_readable(db):  # where no file can be made, SQLite has no place for its lock
+    if not writes and not _is_readable(db):
         db.close()
         wal = path.with_name(f"{path.name}-wal")
         if wal.exists() and wal.stat().st_size:
@@ -322,6 +324,9 @@ def _opened(path: Path, *, writes: bool) -> sqlite3.Connection:
             db.execute("PRAGMA synchronous=NORMAL").fetchall()
     except sqlite3.DatabaseError as error:
         db.close()
+        if error.sqlite_errorcode & 0xFF in (sqlite3.SQLITE_IOERR, sqlite3.SQLITE_FULL):
+            what = "results cannot be written at" if writes else "results cannot be read at"
+            raise UsageError(f"{what} {path}: {error}; make room, or name another file") from None
         raise UsageError(f"{path} is no store of a campaign: {error}") from None
     except BaseException:
         db.close()
@@ -354,7 +359,7 @@ def _is_readable(db: sqlite3.Connection) -> bool:
     try:
         db.execute("SELECT count(*) FROM sqlite_master").fetchone()
     except sqlite3.OperationalError as error:
-        return error.sqlite_errorcode & 0xFF not in (sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY)
+        return error.sqlite_errorcode & 0xFF not in NO_PLACE
     except sqlite3.DatabaseError:
         return True
     return True

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import resource
 import sqlite3
 import subprocess
 import sys
@@ -184,6 +185,36 @@ def test_a_store_is_read_where_no_file_can_be_made_unless_a_part_of_it_is_elsewh
             pytest.raises(UsageError, match=r"a\.db has a part in a\.db-wal; open it once where files can be written"),
         ):
             ResultStore(path)
+
+
+@contextmanager
+def largest_file(size: int) -> Iterator[None]:
+    """No file of this process grows beyond so many bytes, as on a disk that is full."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+@pytest.mark.parametrize("size", [0, 2000, 4096, 8192, 20_000, 33_000, 50_000])
+def test_a_disk_that_is_full_is_named_and_what_was_stored_is_read(tmp_path: Path, size: int) -> None:
+    with ResultStore(tmp_path / "a.db", writes=True) as store:
+        store.add([CELL])
+    for left in tmp_path.glob("a.db-*"):
+        left.unlink()
+    with largest_file(size), ResultStore(tmp_path / "a.db") as store:
+        assert [each.cell for each in store.cells()] == ["k1"]
+    refused = ""
+    with largest_file(size):
+        try:
+            ResultStore(tmp_path / "new.db", writes=True).close()
+        except UsageError as error:
+            refused = str(error)
+    assert not refused or refused.startswith(f"results cannot be written at {tmp_path / 'new.db'}: "), refused
+    with ResultStore(tmp_path / "new.db", writes=True) as store:  # once there is room
+        store.add([CELL])
 
 
 def test_a_database_of_another_program_is_refused(tmp_path: Path) -> None:
