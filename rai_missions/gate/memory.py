@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
 from rai_missions.errors import irregular, make_folder_of
@@ -45,14 +46,18 @@ class Memory:
         return safe if last in HOLDERS and last not in ("operator", "nobody") else "nobody"
 
     def note(self, holder: str) -> None:
-        """Control is with another holder from now on; a file that cannot be written is logged."""
+        """Control is with another holder from now on; a file that cannot be written is logged, and emptied."""
+        temporary = self.path.with_name(f"{self.path.name}.{os.getpid()}")
         try:
             make_folder_of(self.path)
-            temporary = self.path.with_name(f"{self.path.name}.{os.getpid()}")
             temporary.write_text(json.dumps({"holder": holder}), encoding="utf-8")
             temporary.replace(self.path)
         except OSError:
             log.exception("a gate that is started again will not know that %s holds control", holder)
+            with suppress(OSError):
+                temporary.unlink(missing_ok=True)
+            with suppress(OSError):  # an empty file needs no room, and no pipe is waited for
+                os.close(os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NONBLOCK, 0o644))
 
 
 def usual_path(name: str, domain: int | None, environment: Mapping[str, str] = os.environ) -> Path:

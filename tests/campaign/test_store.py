@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import os
-import resource
 import sqlite3
 import subprocess
 import sys
@@ -25,6 +24,7 @@ from rai_missions.campaign.records import (
 )
 from rai_missions.campaign.store import ResultStore
 from rai_missions.errors import UsageError
+from tests.rigs.files import largest_file
 
 CELL = CellRecord("k1", "tractor", "s1", 1, "rules", "none", "written", "answered", option="replan", permitted=1)
 
@@ -185,17 +185,6 @@ def test_a_store_is_read_where_no_file_can_be_made_unless_a_part_of_it_is_elsewh
             pytest.raises(UsageError, match=r"a\.db has a part in a\.db-wal; open it once where files can be written"),
         ):
             ResultStore(path)
-
-
-@contextmanager
-def largest_file(size: int) -> Iterator[None]:
-    """No file of this process grows beyond so many bytes, as on a disk that is full."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 @pytest.mark.parametrize("size", [0, 2000, 4096, 8192, 20_000, 33_000, 50_000])

@@ -13,6 +13,8 @@ from hypothesis import strategies as st
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.gate import GateAgent, gate_words
 from rai_missions.gate.memory import Memory, usual_path
+from rai_missions.runtime.lifecycle import HOLDERS
+from tests.rigs.files import largest_file
 
 
 def begun(memory: Memory, *handed: tuple[str, str], safe: str = "autonomy", ends: bool = True) -> str:
@@ -72,6 +74,20 @@ def test_a_memory_that_is_a_pipe_holds_up_no_gate(tmp_path: Path) -> None:
 def test_a_memory_that_cannot_be_written_holds_up_no_handover(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     assert begun(Memory(tmp_path / "file" / "gate.json"), ("operator", "operator")) in ("autonomy", "nobody")
+
+
+@pytest.mark.parametrize("stored", [None, *HOLDERS])
+@pytest.mark.parametrize("holder", HOLDERS)
+def test_on_a_full_disk_no_holder_from_before_counts(tmp_path: Path, stored: str | None, holder: str) -> None:
+    memory = Memory(tmp_path / "gate.json")
+    if stored is not None:
+        memory.note(stored)
+    with largest_file(0):
+        memory.note(holder)
+    assert Memory(memory.path).first("autonomy") == "nobody"
+    assert [path.name for path in tmp_path.iterdir()] == ["gate.json"]
+    memory.note("agent")
+    assert memory.first("autonomy") == "autonomy", "once there is room"
 
 
 def test_each_name_and_domain_has_a_file_of_its_own() -> None:

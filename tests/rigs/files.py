@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""More open files than `select.select` takes, as a program may have that hosts a mission."""
+"""More open files than `select.select` takes, as a program may have that hosts a mission, and a disk that is full."""
 
 from __future__ import annotations
 
@@ -10,9 +10,20 @@ from collections.abc import Iterator
 
 import pytest
 
-__all__ = ("many_files",)
+__all__ = ("largest_file", "many_files")
 
 SELECTABLE = 1024
+
+
+@contextlib.contextmanager
+def largest_file(size: int) -> Iterator[None]:
+    """No file of this process grows beyond so many bytes, as on a disk that is full."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
 @pytest.fixture
