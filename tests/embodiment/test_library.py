@@ -175,6 +175,35 @@ def test_threads_may_ask_at_once(any_library: Library) -> None:
 # -- the index -----------------------------------------------------------------------------------------------------
 
 
+class Rebuilding:
+    """A lock after each release of which another thread has built the index again before its holder continues."""
+
+    def __init__(self, library: Library) -> None:
+        self.library, self.lock, self.builds = library, threading.Lock(), 0
+
+    def __enter__(self) -> None:
+        self.lock.acquire()
+
+    def __exit__(self, *_: object) -> None:
+        self.lock.release()
+        if not self.builds % 2:
+            self.builds += 1
+            thread = threading.Thread(target=self.library.build)
+            thread.start()
+            thread.join()
+            self.builds += 1
+
+
+@pytest.mark.parametrize("ask", [Library.open, Library.passages, lambda library: library.recall("colour of the paint")])
+def test_an_index_that_is_built_again_at_any_instant_answers(folder: Path, tmp_path: Path, ask: Any) -> None:
+    library = Library(folder, tmp_path / "one.db", embedder=LetterVectors())
+    library.build()
+    expected = ask(library)
+    lock = Rebuilding(library)
+    vars(library)["_lock"] = lock
+    assert ask(library) == expected and lock.builds == 2
+
+
 def test_only_what_changed_is_read_and_embedded_again(folder: Path, tmp_path: Path) -> None:
     index, vectors = tmp_path / "x.index", LetterVectors()
     assert build_index(folder, index, vectors).read == ("care.txt", "inner/rules.txt")
