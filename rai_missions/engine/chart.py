@@ -44,6 +44,8 @@ __all__ = ("NOT_STARTED", "Chart", "Named", "Snapshot")
 
 _new = tuple.__new__
 NO_WRITES: Written | None = ()
+BEFORE = -inf
+"""Ahead of every time."""
 
 
 class Chart:
@@ -165,8 +167,10 @@ class Chart:
         try:
             state = self.state
             name, at, data, kind, _ = event
-            if not state.quick or kind != "event" or not -inf < at < state.wake:
-                if kind == "write" and state.quick and -inf < at < state.wake:
+            # True and Decimal compare like numbers, and are no times: `check_event` decides on any class but these two.
+            is_other = at.__class__ is not float and at.__class__ is not int
+            if not state.quick or kind != "event" or is_other or not BEFORE < at < state.wake:
+                if kind == "write" and state.quick and not is_other and BEFORE < at < state.wake:
                     return short_way.reading(self.program, state, event)
                 check_event(event, "a chart")
                 return make_step(self.program, state, event)

@@ -3,13 +3,45 @@
 
 from __future__ import annotations
 
+from decimal import Decimal
+from fractions import Fraction
+from math import inf, nan
 from typing import Any
 
+import pytest
+
+from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from tests.rigs.charts import chart, sent, transition
 
 OK: Any = {"key": "ok", "==": True}
 KEYS: Any = {"ok": {"type": "boolean", "source": "robot", "optional": True}, "n": {"type": "integer", "initial": 0}}
+
+
+class Later(float):
+    """A number that a program made, such as NumPy's."""
+
+
+@pytest.mark.parametrize("is_quick", [True, False])
+@pytest.mark.parametrize("kind", ["event", "write", "tick"])
+@pytest.mark.parametrize("at", [True, False, Decimal(3), Fraction(7, 2), "3", None, inf, -inf, nan, 3j, [3.0]])
+def test_what_is_no_time_is_refused_on_either_way_and_changes_nothing(at: Any, kind: str, is_quick: bool) -> None:
+    made = chart({"a": {"transitions": [transition("go", "b")]}, "b": {}}, blackboard=KEYS)
+    made.send(Event("ok", 1.0, {"value": False}, "write"))
+    if not is_quick:
+        made.send(Event("pause", 1.0, kind="command"))
+    before = made.snapshot()
+    assert made.state.quick is is_quick
+    name = {"event": "go", "write": "ok", "tick": "tick"}[kind]
+    with pytest.raises(UsageError, match="seconds"):
+        made.send(Event(name, at, {"value": True} if kind == "write" else {}, kind))  # type: ignore[arg-type]
+    assert made.snapshot() == before
+
+
+@pytest.mark.parametrize("at", [3, 3.0, Later(3.0), 2**60])
+def test_any_number_is_a_time(at: Any) -> None:
+    made = chart({"a": {"transitions": [transition("go", "b")]}, "b": {}}, blackboard=KEYS)
+    assert made.send(Event("go", at)).entered == ("b",) and made.at == at
 
 
 def test_what_a_transition_raises_happens_in_its_step_each_time() -> None:
