@@ -22,6 +22,7 @@ from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Step
 from rai_missions.event import Role
 from rai_missions.mission.mission import Mission
+from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Result
 from tests.rigs.journals import MemoryJournal
 from tests.rigs.runs import Rig
@@ -112,9 +113,11 @@ class Talk:
         model = TalkModel(model) if isinstance(model, BaseChatModel) else model
         self.agent = ConversationalAgent(settings, doors=[door, *doors], model=model, library=library, robot=names)
         self.steps: list[Step] = []
+        self.mode = "ready"
+        """The run's mode, as the conversation knows it for what it receives from now on."""
         words.setdefault("answerers", {"operator": HeldOpen()})
         self.book: Any = words.pop("journal", None) or Book()
-        self.rig = Rig(given, journal=self.book, on_step=self._step, on_status=self.agent.changed, **words)  # type: ignore[arg-type]
+        self.rig = Rig(given, journal=self.book, on_step=self._step, on_status=self._changed, **words)  # type: ignore[arg-type]
         self.agent.attach(self.rig.runner, self.book)
         self.agent.run()
         self.result: Result | None = None
@@ -123,6 +126,10 @@ class Talk:
     def _step(self, step: Step) -> None:
         self.agent.step(step)
         self.steps.append(step)
+
+    def _changed(self, status: Status) -> None:
+        self.agent.changed(status)
+        self.mode = status.mode
 
     def _run(self) -> None:
         self.result = self.rig.run()

@@ -81,7 +81,7 @@ def test_a_stop_before_the_start_keeps_the_robot_where_it_is_until_it_is_resumed
     needed = {**KEYS, "there": {"type": "boolean", "source": "robot"}}
     with Talk(mission(MOVING, blackboard=needed), clock=WallClock()) as talk:
         talk.order(order, role)
-        talk.until(lambda: talk.steps and talk.steps[-1].mode == "paused")
+        talk.until(lambda: talk.mode == "paused")
         talk.rig.publish("/there", data=False)
         assert "paused" in talk.ask("what are you doing?").text
         assert not talk.rig.move.goals and not any("started" in text for text in talk.screen.texts())
@@ -96,7 +96,7 @@ def test_a_start_after_a_stop_before_it_begins_the_mission(waits: bool) -> None:
     with Talk(mission(MOVING, blackboard={**KEYS, "there": {"type": "boolean", "source": "robot"}}),
               clock=WallClock(), waits=waits) as talk:  # fmt: skip
         talk.order("stop", "person")
-        talk.until(lambda: talk.rig.runner.view.mode == "paused")
+        talk.until(lambda: talk.mode == "paused")
         talk.rig.publish("/there", data=False)
         talk.order_to_confirm("start")
         talk.order("yes")
@@ -367,9 +367,8 @@ def test_a_person_on_the_topic_asks_and_stops_and_orders_nothing_else() -> None:
     connector.start()
     hri, person = HRIConnector(connector), HRIConnector(connector)
     person.listen(TO_HUMAN, received)
-    with talked() as talk:
-        door = HRIDoor(hri, "rob")
-        talk.agent.add_door(door)
+    door = HRIDoor(hri, "rob")
+    with talked(doors=[door]) as talk:  # from the beginning, as of a profile: the start is reported to the doors there
         door.open(talk.agent.receive)
         running(talk)
         wanted = {
