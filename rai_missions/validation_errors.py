@@ -71,6 +71,8 @@ def faults_of(error: ValidationError, model: type[Any], data: Any, known: Collec
     """
     reported: set[tuple[str, ...]] = set()
     found = refusals(error)
+    if any(item["type"] == "package" for item in found):  # the words of its kinds are unknown until it is installed
+        found = [item for item in found if item["type"] != "kind"]
     for item in _whole_lists(found[:MOST]):
         steps, rest = _steps(_loc(item), data)
         place = pointer(steps)

@@ -90,6 +90,7 @@ def test_each_command_takes_each_sort_of_kind_or_refuses_it_by_name(
     status = main(command.replace("{}", file).split())
     output = "".join(capsys.readouterr())
     assert "Traceback" not in output
+    assert "/uses/0" not in output or "/states/" not in output, "the words of a package that lacks are no faults"
     if "--resume" in command and is_installed:
         assert status == 2 and "has ended" in output
     elif is_installed or command.split()[0] in WHOLE:
