@@ -46,6 +46,7 @@ class LocalConnector:
         self._lock = threading.Lock()
         self._running = False
         self._types: dict[tuple[ConnectorMode, str], str] = {}
+        """Of what was named since the start; empty while only given without its type."""
         self._subscribers: defaultdict[str, dict[object, Callable[[Message], None]]] = defaultdict(dict)
         self._services: dict[str, Answer] = {}
         self._servers: dict[str, tuple[ActionServer, SerialQueue]] = {}
@@ -195,11 +196,10 @@ class LocalConnector:
         wrong = self._disagreement(mode, name, type_name)
         if wrong:
             raise ConnectorError(wrong)
-        if type_name:
-            self._types.setdefault((mode, name), type_name)
+        self._types[mode, name] = self._types.get((mode, name)) or type_name
 
     def _disagreement(self, mode: ConnectorMode, name: str, type_name: str) -> str:
-        known = self._types.get((mode, name), type_name)
+        known = self._types.get((mode, name)) or type_name
         return f"{name} is a {known}, not a {type_name}" if type_name and known != type_name else ""
 
     def _date(self, data: Data) -> ReadingDate:

@@ -7,6 +7,8 @@ import threading
 import time
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rai_missions.connectors.connector import Connector, Message, Reply, Report
 from rai_missions.connectors.contract import PatientServer, check_connector
@@ -30,6 +32,21 @@ def test_the_local_connector_keeps_the_contract() -> None:
 def test_it_is_a_connector() -> None:
     assert isinstance(LocalConnector(), Connector)
     assert LocalConnector().modes == {"topics", "services", "actions"}
+
+
+@given(st.lists(st.tuples(st.sampled_from(["/a", "/b"]), st.sampled_from(["", STRING, "std_msgs/msg/Bool"]))))
+def test_each_topic_that_is_spoken_on_is_listed_with_the_first_type_that_is_given(given: list[tuple[str, str]]) -> None:
+    connector, expected = LocalConnector(), dict[str, str]()
+    connector.start()
+    for topic, type_name in given:
+        known = expected.get(topic) or type_name
+        if type_name and known != type_name:
+            with pytest.raises(ConnectorError, match=f"is a {known}, not a {type_name}"):
+                connector.publish(topic, type_name, {})
+        else:
+            connector.publish(topic, type_name, {})
+            expected[topic] = known
+    assert connector.listed("topics") == expected
 
 
 @pytest.mark.parametrize(
