@@ -24,7 +24,7 @@ from rai_missions.mission.file_kinds import object_of
 from rai_missions.mission.json_reader import read_json
 from rai_missions.redaction import shown
 from rai_missions.validation_errors import faults_of
-from rai_missions.worlds.scene_files import read_scene_file
+from rai_missions.worlds.scene_files import with_scene_read
 
 __all__ = ("LoadedCampaign", "load_campaign")
 
@@ -105,9 +105,7 @@ def _with_scene_files(data: dict[str, Any], folder: Path) -> dict[str, Any]:
 
 def _with_scene_file(entry: Any, folder: Path) -> Any:
     options = entry.get("options") if isinstance(entry, Mapping) else None
-    if not isinstance(options, Mapping) or not isinstance(name := options.get("scene"), str):
-        return entry
-    return {**entry, "options": {**options, "scene": read_scene_file(str(folder / name))}}
+    return {**entry, "options": with_scene_read(options, folder)} if isinstance(options, Mapping) else entry
 
 
 def _over_its_base(data: dict[str, Any], source: Path) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from rai_missions.model import RECORDED
 from rai_missions.profile.profile import Robot
 from rai_missions.redaction import shown
 from rai_missions.validation_errors import validated
+from rai_missions.worlds.scene_files import with_scene_read
 
 __all__ = ("dump_profile", "identity_folder", "is_program", "load_profile", "parse_profile", "recorded_profile")
 
@@ -36,9 +38,24 @@ def load_profile(path: str | os.PathLike[str]) -> Robot:
     file = Path(path)
     if is_program(file):
         raise UsageError(f"'{file}' is a robot in Python, which only a run executes; give a profile in JSON, or none")
-    robot = _robot(read_json(file), str(file))
+    robot = _robot(_whole(read_json(file), file), str(file))
     identity_folder(robot, file)
     return robot
+
+
+def _whole(data: Any, file: Path) -> Any:
+    """A profile's data with the scene of its simulated world, which may be in a file that is found from its own.
+
+    Where that cannot be read, the world finds out, by the same path.
+    """
+    connector = data.get("connector") if isinstance(data, Mapping) else None
+    if not isinstance(connector, Mapping) or connector.get("kind") != "local":
+        return data
+    folder = file.resolve().parent
+    try:
+        return {**data, "connector": with_scene_read(connector, folder)}
+    except UsageError:
+        return {**data, "connector": {**connector, "scene": str(folder / connector["scene"])}}
 
 
 def is_program(given: object) -> bool:

@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from rai_missions.errors import UsageError
 from rai_missions.redaction import shown
 
-__all__ = ("read_scene_file",)
+__all__ = ("read_scene_file", "with_scene_read")
 
 LARGEST = 1_000_000
 """Bytes of a file."""
@@ -36,3 +37,17 @@ def read_scene_file(path: str) -> Any:
         return json.loads(data)
     except (ValueError, RecursionError) as fault:
         raise UsageError(f"scene: {name} is no JSON: {fault}") from fault
+
+
+def with_scene_read(options: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
+    """The options of a world as a file has them, with what is in the file that their scene names.
+
+    Args:
+        options: As they are written.
+        folder: Of the file that has them; the scene's file is found from there.
+
+    Raises:
+        UsageError: As `read_scene_file`.
+    """
+    name = options.get("scene")
+    return {**options, "scene": read_scene_file(str(folder / name))} if isinstance(name, str) else options
