@@ -28,12 +28,12 @@ def test_what_must_not_be_is_not_acted_on_in_many_more_desks() -> None:
 @pytest.mark.parametrize(
     ("request_text", "goal", "is_acted_on"),
     [
-        ("please plonk the red cube on the blue cube", {"on": ["red_cube", "blue_cube"]}, True),
-        ("please plonk the red cube on the blue cube", {"on": ["blue_cube", "red_cube"]}, True),
-        ("please plonk the red cube on the blue cube", {"next_to": ["blue_cube", "red_cube"]}, False),
-        ("please do not plonk the red cube on the blue cube", {"on": ["red_cube", "blue_cube"]}, False),
-        ("please plonk the red cube at x 3 y 0", {"at": "red_cube", "x": 3.0, "y": 0.0}, False),
-        ("please plonk the red cube in the blue cube", {"in": ["red_cube", "blue_cube"]}, False),
+        ("please shlonk the red cube on the blue cube", {"on": ["red_cube", "blue_cube"]}, True),
+        ("please shlonk the red cube on the blue cube", {"on": ["blue_cube", "red_cube"]}, True),
+        ("please shlonk the red cube on the blue cube", {"next_to": ["blue_cube", "red_cube"]}, False),
+        ("please do not shlonk the red cube on the blue cube", {"on": ["red_cube", "blue_cube"]}, False),
+        ("please shlonk the red cube at x 3 y 0", {"at": "red_cube", "x": 3.0, "y": 0.0}, False),
+        ("please shlonk the red cube in the blue cube", {"in": ["red_cube", "blue_cube"]}, False),
     ],
 )
 def test_a_confirmed_goal_is_acted_on_only_if_its_words_are_there_and_it_can_be(

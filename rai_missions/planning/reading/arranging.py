@@ -22,7 +22,7 @@ SORTED = frozenset({"grouped", "apart", "in", "on", "left_of"})
 NEEDED: Mapping[tuple[str, str], frozenset[str]] = {
     ("stack", ""): frozenset({"on"}), ("stack", "many"): frozenset({"on"}), ("each_other", "stack"): frozenset({"on"}),
     ("upward", "up"): frozenset({"on"}), ("upward", "down"): frozenset({"on"}),
-    ("group", ""): GROUPS, ("each_other", "group"): frozenset({"grouped"}), ("each_other", "next_to"): GROUPS,
+    ("group", ""): GROUPS, ("each_other", "group"): frozenset({"grouped"}), ("each_other", "next_to"): GROUPS | ROW,
     ("apart", ""): frozenset({"apart"}), ("each_other", "apart"): frozenset({"apart"}),
     ("sort", ""): SORTED, ("by", "colour"): SORTED, ("by", "type"): SORTED,
     ("left_to_right", "left"): frozenset({"left_of"}), ("left_to_right", "right"): frozenset({"left_of"}),

@@ -61,6 +61,8 @@ class GoalWriter:
         self._until_put = list[Plain]()
         """What holds of things until they are put elsewhere: what was taken from somewhere lies on the desk."""
         self._latest = list[Plain]()
+        self._found: Sequence[Plain] = ()
+        """The predicates of the clauses so far."""
 
     def predicates(self, clauses: Sequence[Clause]) -> list[Plain]:
         """The predicates as plain data, each once.
@@ -70,7 +72,7 @@ class GoalWriter:
         """
         found = list[Plain]()
         for clause in clauses:
-            self._before = self._subjects, self._target
+            self._before, self._found = (self._subjects, self._target), found
             self._check_held(clause)
             wanted = list(self._of(clause))
             put = {name for each in wanted if each.keys() & PLACED for name in _moved(each)}
@@ -144,9 +146,11 @@ class GoalWriter:
         return target if is_empty and len(target) == 1 and self._is_container(target[0]) else ()
 
     def _alternatives(self, phrase: Phrase) -> Sequence[Names]:
-        if phrase.kind not in ("pronoun", "those", "there"):
+        if phrase.kind not in ("pronoun", "those", "there", "top"):
             return self._things.alternatives(phrase, frozenset(self._taken))
         subjects, target = self._before
+        if phrase.kind == "top":
+            return (self._top(subjects[-1:]),)
         if phrase.kind == "those" or (phrase.kind == "pronoun" and self._is_taken(phrase)):
             return (subjects,)
         if phrase.kind == "there" and target:
@@ -156,6 +160,13 @@ class GoalWriter:
         if self._last is not None and self._last.kind in SIDE_BY_SIDE and target and target != subjects:
             return (subjects, target)
         return (subjects,)
+
+    def _top(self, names: Names) -> Names:
+        """What is wanted at the top of the tower of a thing."""
+        above = {each["on"][1]: each["on"][0] for each in self._found if "on" in each}
+        while names and names[0] in above:
+            names = (above.pop(names[0]),)
+        return names
 
     def _is_taken(self, pronoun: Phrase) -> bool:
         """Whether what was taken from somewhere is meant, as many as they were: `take everything out and put it …`."""
@@ -296,8 +307,7 @@ class GoalWriter:
 
     def _next_to(self, clause: Clause) -> Iterator[Plain]:
         names, target = self._pair(clause)
-        self._check_alone(names, "order")
-        yield {"next_to": [names[0], target]}
+        yield from ({"next_to": [name, target]} for name in names)
 
     def _apart(self, clause: Clause) -> Iterator[Plain]:
         names = self._names(clause.subjects)
@@ -463,7 +473,7 @@ class GoalWriter:
 
     def _check_held(self, clause: Clause) -> None:
         """What is picked up must be what is put: `take the red cube and put it …`."""
-        if self._is_held and not any(each.kind == "pronoun" for each in clause.subjects):
+        if self._is_held and not any(each.kind in ("pronoun", "those") for each in clause.subjects):
             raise self._ask("where", self._listed(self._subjects))
         self._is_held = False
 
@@ -472,6 +482,11 @@ class GoalWriter:
         emptied = is_there and len(self._target) == 1 and self._is_container(self._target[0])
         names = self._names(clause.subjects)
         is_put = self._last is not None and self._last.kind in ("in", "to", "on")
+        is_built = self._last is not None and self._last.kind in ("on", "stack", "under")
+        if clause.target is not None and is_built and not any(map(self._is_container, self._target)):
+            self._check_alone(names, "order")
+            (top,) = self._top(self._before[0][-1:])
+            return _each("on", names, top)  # `red on blue, and green on it`
         if not (is_put or emptied) or len(self._target) != 1:
             raise self._ask("where", self._listed(names))
         return self._put(names, self._target[0])

@@ -121,12 +121,12 @@ class _Evidence:
         self.is_right = self.is_right or symbol.value in ("right", "right_of")
         self.is_back = self.is_back or symbol.value == "back"
         self.is_shift = self.is_shift or symbol.kind == "side"
-        self.is_stay = self.is_stay or (symbol.kind, symbol.value) == ("relation", "place_of")
+        self.is_stay = self.is_stay or symbol.kind in ("stays", "keep") or symbol.value == "place_of"
         self.is_swap = self.is_swap or symbol.kind == "swap" or symbol.value in ("swap", "place_of")
 
     def _add_towers(self, found: Sequence[Symbol]) -> None:
         """A tower is of cubes, where nothing else is said of what it consists."""
-        stacks = any(symbol.kind in ("stack", "upward", "unstack") for symbol in found)
+        stacks = any(symbol.kind in ("stack", "tower", "upward", "unstack") for symbol in found)
         colours = sum(symbol.kind == "colour" for symbol in found)
         if stacks and colours < 2 and not self.one - CONTAINERS:
             self.every.add("cube")

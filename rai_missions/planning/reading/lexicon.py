@@ -6,17 +6,24 @@ Rule: no word and no sentence of a language is in code; a new language is a new 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from rai_missions.planning.text.language_file import LanguageTexts, language_codes, language_file, word_forms
-from rai_missions.planning.text.normalise import is_slip
+from rai_missions.planning.text.normalise import each_way, is_near, is_slip
 
 __all__ = ("Noun", "Vocabulary", "WordSense", "lexicon", "lexicons")
 
 FOLDER = Path(__file__).parent / "languages"
+REPEATED = re.compile(r"(.)\1\1+")
+"""A letter that is drawn out: `pleeease`."""
+VERBS = frozenset({"put", "stack", "sort", "group", "apart", "swap", "grasp", "toss", "fill", "unstack"})
+"""Kinds of words that may have what is before a verb written together with it."""
+SHORTEST_NEAR = 4
+"""Letters of the shortest word that another one is taken for, when it is asked whether it is meant."""
 
 
 class Noun(NamedTuple):
@@ -48,13 +55,17 @@ class Vocabulary(LanguageTexts):
         super().__init__(data)
         self.units: Mapping[str, float] = {name: float(size) for size, names in data["units"].items() for name in names}
         self.phrases: Mapping[tuple[str, ...], WordSense] = {
-            tuple(phrase.split()): meaning for phrase, meaning in _phrases(data)
+            tuple(words): meaning for phrase, meaning in _phrases(data) for words in each_way(phrase)
         }
         self._longest = max(map(len, self.phrases))
         self.words = frozenset(word for phrase in self.phrases for word in phrase) | frozenset(self.units)
         self._by_letter = dict[str, list[str]]()
         for word in sorted(self.words):
             self._by_letter.setdefault(word[0], []).append(word)
+        self.turning = frozenset(data["turning"])
+        """Words that are not read and turn what they are about, so that nothing is offered without them."""
+        self.cutting = frozenset(data["cutting"])
+        """Words that are not read and may say where a thing is to be, so that what is after them is not offered."""
         self.number_words = frozenset(data["numbers"]) | frozenset(data["hundred"]) | {data["minus"]}
 
     def longest(self, words: Sequence[str], at: int) -> tuple[int, WordSense] | None:
@@ -66,8 +77,26 @@ class Vocabulary(LanguageTexts):
         return None
 
     def knows(self, word: str) -> bool:
-        """Whether the word occurs in any phrase, unit or number."""
-        return word in self.words or word in self.number_words or word == self.data["point"]
+        """Whether the word occurs in any phrase, unit or number, or is one that is never another by a slip."""
+        others = (self.words, self.number_words, self.turning, self.cutting)
+        return any(word in each for each in others) or word == self.data["point"]
+
+    def parts(self, word: str) -> list[str]:
+        """The word as it is known: a verb and what is before it as two, `zusammenschieben`, and slips mended."""
+        if not self.knows(word):
+            word = REPEATED.sub(r"\1", word)
+            for prefix, meant in self.data["prefixes"].items():
+                rest = word.removeprefix(prefix)
+                for verb in (rest, rest.removeprefix(self.data["infinitive"])):
+                    if rest != word and (sense := self.phrases.get((verb,))) and sense.kind in VERBS:
+                        return f"{meant} {verb}".split()
+        return [self.mended(word)]
+
+    def nearest(self, word: str) -> WordSense | None:
+        """What the one known word is that differs from this one by a letter; None where there are none or several."""
+        alike = (known for letter in {*word[:2]} for known in self._by_letter.get(letter, ()))
+        near = [each for each in alike if len(each) >= SHORTEST_NEAR and is_near(word, each)]
+        return self.phrases.get((near[0],)) if len(near) == 1 else None
 
     def mended(self, word: str) -> str:
         """The one known word that a slip of the keyboard turned into this one; the word itself where there is none.
@@ -110,5 +139,5 @@ def lexicon(code: str) -> Vocabulary:
     Raises:
         UsageError: There is no file for it.
     """
-    own = language_file(FOLDER, code, "words of the language")
-    return Vocabulary({**word_forms(code), **own})
+    own, forms = language_file(FOLDER, code, "words of the language"), word_forms(code)
+    return Vocabulary({**forms, **own, "contractions": {**forms["contractions"], **own["contractions"]}})

@@ -10,9 +10,11 @@ from typing import Any
 from rai_missions.planning.reading.phrases import Phrase, Rank
 from rai_missions.planning.reading.symbols import RANKING, RANKS, Symbol
 
-__all__ = ("Cursor", "noun_phrase", "noun_phrases", "ordered_phrases", "with_limits")
+__all__ = ("PREDICATES", "Cursor", "noun_phrase", "noun_phrases", "ordered_phrases", "with_limits")
 
 LISTED = (",", "and")
+PREDICATES = ("relation", "stays", "holds", "each_other", "level", ":", "=")
+"""Kinds of symbols that come after the things of which a wish is."""
 
 
 class Cursor:
@@ -72,7 +74,11 @@ def noun_phrases(cursor: Cursor, among: frozenset[str] = frozenset(), *, most: i
         if found and not cursor.skip(*LISTED):
             break
         phrase = noun_phrase(cursor)
-        if phrase is None or (among and phrase.types and among.isdisjoint(phrase.types)):
+        if (
+            phrase is None
+            or (found and phrase.kind == "there")
+            or (among and phrase.types and among.isdisjoint(phrase.types))
+        ):
             cursor.back_to(before)
             break
         found.append(phrase)
@@ -128,12 +134,26 @@ def noun_phrase(cursor: Cursor) -> Phrase | None:
 
 def _single(cursor: Cursor) -> Phrase | None:
     kind = cursor.kind()
-    if kind == "rest":
-        return Phrase("rest", cursor.take().text, is_many=True, is_all=True)
+    if kind == "rest" or (kind == "other" and cursor.kind(1) == "number" and cursor.kind(2) not in NOUNS):
+        begun = cursor.at
+        cursor.take()
+        is_counted = cursor.kind() == "number" and cursor.value().unit is None and cursor.value().is_whole
+        count = int(cursor.take().value.value) if is_counted and cursor.kind(1) not in NOUNS else None
+        return Phrase("rest", cursor.text(begun), is_many=True, is_all=True, count=count)
+    if kind == "everything" and cursor.kind(1) == "colour":  # `everything red`
+        cursor.take()
+        colour: str = cursor.take().value
+        every = Phrase("things", cursor.text(cursor.at - 2), colour=colour, is_many=True, is_all=True)
+        return with_limits(cursor, every)
+    if kind == "everything" and cursor.value() == "any" and cursor.kind(1) != "not_a":
+        return None  # `anything` alone may be any one thing
     if kind == "everything" or (kind == "all" and cursor.kind(1) == "except"):
         return with_limits(cursor, Phrase("everything", cursor.take().text, is_many=True, is_all=True))
     if kind == "there":
         return Phrase("there", cursor.take().text)
+    if kind == "the" and cursor.kind(1) in PREDICATES:  # `leg das in den Eimer`
+        symbol = cursor.take()
+        return Phrase("pronoun", symbol.text, is_many=symbol.value == "many")
     if kind == "pronoun" and cursor.kind(1) not in ("noun", "colour", "generic"):
         symbol = cursor.take()
         return Phrase("pronoun", symbol.text, is_many=symbol.value == "many")

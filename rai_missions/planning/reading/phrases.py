@@ -8,8 +8,8 @@ from typing import Literal
 
 __all__ = ("Clause", "ClauseKind", "Phrase", "PhraseKind", "Rank", "Unread")
 
-PhraseKind = Literal["things", "everything", "rest", "pronoun", "those", "there", "desk", "tower"]
-"""`those` has no words: the things of the clause before, whatever their number."""
+PhraseKind = Literal["things", "everything", "rest", "pronoun", "those", "there", "desk", "tower", "top"]
+"""`those` has no words: the things of the clause before, whatever their number. `top` is that of what was stacked."""
 ClauseKind = Literal[
     "on", "in", "to", "left_of", "right_of", "behind", "in_front_of", "between", "next_to", "apart",
     "place_of", "off", "at", "stack", "swap", "group",
@@ -98,3 +98,5 @@ class Clause:
     """How many towers there are to be."""
     by: str = ""
     """What groups are made by: `colour` or `type`."""
+    is_open: bool = False
+    """Whether its form may mean something else: what is read is offered."""

@@ -16,11 +16,12 @@ from rai_missions.planning.reading.arranging import left_out
 from rai_missions.planning.reading.describe import described
 from rai_missions.planning.reading.goal_writer import GoalWriter
 from rai_missions.planning.reading.lexicon import Vocabulary, lexicon, lexicons
+from rai_missions.planning.reading.offers import goals_of_rest, is_offered
 from rai_missions.planning.reading.phrases import Clause, Phrase, Unread
 from rai_missions.planning.reading.picks import Picks, tries
 from rai_missions.planning.reading.reading import RequestReading
 from rai_missions.planning.reading.rewrites import rewritten
-from rai_missions.planning.reading.symbols import LONGEST_REQUEST, MOST_WORDS, Symbol, symbols
+from rai_missions.planning.reading.symbols import ENDS, LONGEST_REQUEST, MOST_WORDS, Symbol, symbols
 from rai_missions.planning.reading.things import Things
 from rai_missions.planning.reading.wishes import wishes_of
 from rai_missions.planning.relations import at_first_poses
@@ -78,9 +79,9 @@ def reading_of(request: str, scene: Scene) -> RequestReading:
     """
     codes = _languages()
     attempts = [_read(request, scene, lexicon(code)) for code in codes]
-    best = min(attempts, key=lambda attempt: attempt.unknown)
+    best = min(attempts, key=lambda attempt: _unknown(attempt.found))
     goals = {goal.meaning: goal for attempt in attempts if (goal := attempt.reading.goal) is not None}
-    return best.reading if len(goals) < 2 else _asked([*goals.values()], lexicon(codes[0]))
+    return _with_offer(best, scene) if len(goals) < 2 else _asked([*goals.values()], lexicon(codes[0]))
 
 
 def language_of(request: str) -> str:
@@ -100,7 +101,8 @@ def _unknown(found: Iterable[Symbol]) -> int:
 
 @dataclass(frozen=True, slots=True)
 class _Attempt:
-    unknown: int
+    found: Sequence[Symbol]
+    words: Vocabulary
     reading: RequestReading
 
 
@@ -113,7 +115,31 @@ def _read(request: str, scene: Scene, words: Vocabulary) -> _Attempt:
     except Unread as error:
         about = clipped(error.about, LONGEST_SENTENCE)
         reading = RequestReading(question="" if error.refused else about, reason=error.reason, about=about)
-    return _Attempt(_unknown(found), reading)
+    return _Attempt(found, words, reading)
+
+
+def _with_offer(attempt: _Attempt, scene: Scene) -> RequestReading:
+    """The reading; where it asks back, with an offer of what is read of the request, if that may be offered."""
+    found, words, reading = attempt.found, attempt.words, attempt.reading
+
+    def goals_of(part: Sequence[Symbol]) -> tuple[Goal, ...]:
+        try:
+            read = _read_symbols([*part], scene, words)
+        except Unread as error:
+            if error.reason == "forbidden":
+                raise
+            return ()
+        return (read.goal,) if read.goal is not None else read.candidates
+
+    try:
+        goals = goals_of_rest(found, words, goals_of) if is_offered(reading.reason, found, words) else ()
+    except Unread:
+        return reading
+    if not goals:
+        return reading
+    offered = _asked(goals, words)
+    question = clipped(f"{reading.question} {offered.question}", LONGEST_SENTENCE)
+    return reading.model_copy(update={"question": question, "about": question, "candidates": offered.candidates})
 
 
 def _read_symbols(found: list[Symbol], scene: Scene, words: Vocabulary) -> RequestReading:
@@ -145,17 +171,17 @@ def _plain(found: list[Symbol], words: Vocabulary) -> tuple[list[Symbol], bool]:
         raise Unread("negated", words.text("negated", negation.text))
     if asked := next((symbol for symbol in found if symbol.kind == "asked"), None):
         raise Unread("unread", words.text("asked", asked.text))
-    is_thrown = any(symbol.kind == "toss" for symbol in found)
-    if is_thrown:
+    is_open = any(symbol.kind == "toss" for symbol in found) and not _names_bin(found)
+    if any(symbol.kind == "toss" for symbol in found):
         found = list(_put_away(found, words))
     _refuse_forbidden(found, words)
     found = _taken_out(found, words)
-    if unknown := next((symbol for symbol in found if symbol.kind == "unknown"), None):
+    if unknown := next((symbol for symbol in found if symbol.kind in ("unknown", "forbidden")), None):
         raise Unread("unknown_word", words.text("unknown_word", unknown.text))
     if _is_part_of_place([symbol for symbol in found if symbol.kind not in ("the", "a")]):
         raise Unread("coordinates", words.text("coordinates"))
     plain = [symbol for symbol in found if symbol.kind != "sorted"]
-    return plain, len(plain) == len(found) and not is_thrown
+    return plain, len(plain) == len(found) and not is_open
 
 
 class MeantGoals(NamedTuple):
@@ -184,7 +210,7 @@ def _meant(way: Sequence[Symbol], wishes: tuple[Clause, ...], scene: Scene, word
         absent, (goals, is_whole) = error.about, _goals_or(error, present, scene, words)
     if word := left_out(way, goals[0]):
         raise Unread("unread", words.text("left_out", word))
-    is_sure = is_whole and not absent and not any(each.kind == "towers" for each in wishes)
+    is_sure = is_whole and not absent and not any(each.kind == "towers" or each.is_open for each in wishes)
     return MeantGoals(goals, is_sure, absent)
 
 
@@ -247,7 +273,7 @@ def _put_away(found: Sequence[Symbol], words: Vocabulary) -> Iterator[Symbol]:
         for phrase, sense in words.phrases.items()
         if sense.kind == "noun" and sense.value.types == {"bin"}
     ]
-    names_bin = any(symbol.kind == "noun" and symbol.value.types == {"bin"} for symbol in found)
+    names_bin = _names_bin(found)
     found = [  # `throw the carrot out`
         symbol._replace(kind="away") if symbol.text in words.data["out"] else symbol for symbol in found
     ]
@@ -260,6 +286,10 @@ def _put_away(found: Sequence[Symbol], words: Vocabulary) -> Iterator[Symbol]:
         if not names_bin and (symbol.kind == "away" or _is_thrown_away(symbol)):
             yield Symbol("relation", "in", symbol.text)
             yield from into_bin[:1]
+
+
+def _names_bin(found: Sequence[Symbol]) -> bool:
+    return any(symbol.kind == "noun" and symbol.value.types == {"bin"} for symbol in found)
 
 
 def _is_thrown_away(symbol: Symbol) -> bool:
@@ -288,9 +318,14 @@ def _is_container(symbol: Symbol) -> bool:
 
 
 def _refuse_forbidden(found: Sequence[Symbol], words: Vocabulary) -> None:
-    for symbol in found:
-        if symbol.kind in ("forbidden", "toss"):
+    for at, symbol in enumerate(found):
+        is_verb = symbol.value != "act" or {_kind(found, at - 1), _kind(found, at + 1)} & {"", *ENDS}
+        if symbol.kind == "toss" or (symbol.kind == "forbidden" and is_verb):
             raise Unread("forbidden", words.text("forbidden", symbol.text), refused=True)
+
+
+def _kind(found: Sequence[Symbol], at: int) -> str:
+    return found[at].kind if 0 <= at < len(found) else ""
 
 
 def _goals(found: tuple[Clause, ...], scene: Scene, words: Vocabulary) -> tuple[list[Goal], bool]:

@@ -22,7 +22,9 @@ KINDS: Mapping[str, frozenset[str]] = {
     "apart": frozenset({"apart"}), "left_to_right": frozenset({"left_of"}),
     "side": frozenset({"at", "left_of", "shifted"}),
     "axis": frozenset({"at"}), "place": frozenset({"at"}), "(": frozenset({"at"}), "away": frozenset({"in"}),
-    "fill": frozenset({"in"}), "there": frozenset({"in"}), "empty": frozenset({"on"}), "unstack": frozenset({"on"}),
+    "fill": frozenset({"in"}), "there": frozenset({"in", "on"}), "empty": frozenset({"on"}),
+    "unstack": frozenset({"on"}), "holds": frozenset({"in"}), ":": frozenset({"in"}), "=": frozenset({"in"}),
+    "stays": frozenset({"at", "shifted"}), "keep": frozenset({"at", "shifted"}),
 }  # fmt: skip
 """Kinds of symbols → the predicates that they may mean."""
 VALUES: Mapping[str, frozenset[str]] = {
@@ -42,9 +44,10 @@ def relations_in(found: Iterable[Symbol]) -> frozenset[str]:
     Args:
         found: The symbols of the text.
     """
-    meant = frozenset[str]()
-    for at, symbol in enumerate(found):
-        if at == 0 and symbol.kind == "noun" and symbol.value.types <= CONTAINERS:
+    meant, before = frozenset[str](), ","
+    for symbol in found:
+        is_first, before = before in (",", ".", ":", "and", "then"), symbol.kind
+        if is_first and symbol.kind == "noun" and symbol.value.types <= CONTAINERS:
             meant |= {"in"}  # `bin the tomato`
         if symbol.kind == "no":
             return frozenset()

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from rai_missions.planning.reading.lexicon import Vocabulary
-from rai_missions.planning.reading.symbols import ENDS, NAMING, Symbol, symbols
+from rai_missions.planning.reading.symbols import ENDS, NAMING, Symbol, past, symbols
 from rai_missions.planning.scene import CONTAINERS
 
 __all__ = ("rewritten",)
@@ -21,8 +21,63 @@ def rewritten(request: str, lexicon: Vocabulary) -> list[Symbol]:
     found, data = symbols(request, lexicon), lexicon.data
     for each in data["separated"]:
         found = _joined(found, each)
-    found = [symbol for symbol in found if symbol.kind != "particle"]
+    found = [symbol for at, symbol in enumerate(found) if not _is_particle(found, at, data)]
+    found = _off_towers(_kept_apart(_excluding(_without_reasons(found), data)))
     return _cleared_tops(_moved_out(_removed(_corrected(_taken_back(found, data)), data), data), data)
+
+
+def _is_particle(found: Sequence[Symbol], at: int, data: Mapping[str, Any]) -> bool:
+    """Whether it only completes a verb: `räum … auf`, `setz … ab`."""
+    is_last = at + 1 == len(found) or found[at + 1].kind in (".", ",", "and", "then", ":")
+    return found[at].kind == "particle" or (is_last and data["prefixes"].get(found[at].text) == "")
+
+
+def _excluding(found: Sequence[Symbol], data: Mapping[str, Any]) -> list[Symbol]:
+    """`everything that is`, `not a`: a limit, and no negation."""
+    return [
+        symbol._replace(kind="not_a")
+        if at and symbol.text in data["contrast"]["not"] and found[at - 1].text in data["whatever"]
+        else symbol
+        for at, symbol in enumerate(found)
+        if not (at > 1 and symbol.kind == "a" and found[at - 2].text in data["whatever"])
+    ]
+
+
+def _without_reasons(found: Sequence[Symbol]) -> list[Symbol]:
+    """Without what comes after `because`, up to the next sign or `and`: a reason is no wish."""
+    kept, is_reason = list[Symbol](), False
+    for symbol in found:
+        is_reason = symbol.kind == "reason" or (is_reason and symbol.kind not in ENDS)
+        if not is_reason:
+            kept.append(symbol)
+    return kept
+
+
+def _kept_apart(found: Sequence[Symbol]) -> list[Symbol]:
+    """`Not near each other` as apart; `no cube may touch another` as all of them apart."""
+    for at, symbol in enumerate(found):
+        named = past(found, at + 1, ("with", "the", "noun", "colour"))
+        if symbol.kind != "no" or named == len(found):
+            continue
+        near, others = found[named], past(found, named + 1, (*NAMING, "each_other"))
+        if near.kind not in ("each_other", "relation") or near.value not in ("next_to", "group"):
+            continue
+        is_alone = named > at + 1 or others == named + 1
+        apart = near._replace(kind="each_other" if is_alone else near.kind, value="apart")
+        every = [each for each in found[at + 1 : named] if each.kind in ("noun", "colour")]
+        of = [Symbol("all", "all", symbol.text), *every] if every else []
+        return _kept_apart([*found[:at], *of, apart, *found[others if is_alone else named + 1 :]])
+    return [*found]
+
+
+def _off_towers(found: Sequence[Symbol]) -> list[Symbol]:
+    """With a tower from which something is taken as a thing: `off the stack` asks for none."""
+    kept = list[Symbol]()
+    for symbol in found:
+        is_off = kept[-1:] and (kept[-1].kind, kept[-1].value) == ("relation", "off")
+        is_off_the = [(each.kind, each.value) for each in kept[-2:]] == [("relation", "off"), ("the", "the")]
+        kept.append(symbol._replace(kind="tower") if symbol.kind == "stack" and (is_off or is_off_the) else symbol)
+    return kept
 
 
 def _sentence_end(found: Sequence[Symbol], at: int, ends: Sequence[str]) -> int:
@@ -72,6 +127,8 @@ def _corrected(found: list[Symbol]) -> list[Symbol]:
         after.pop(0)
     if not before or not after:
         return [*before, *after]
+    if after[0].kind == "reverse" and (turned := _turned(before)):
+        return _corrected([*turned, *after[1:]])
     if after[0].kind == "relation":
         place = [index for index, symbol in enumerate(before) if symbol.kind == "relation"]
         return _corrected([*before[: place[-1]], *after]) if place else found
@@ -81,6 +138,16 @@ def _corrected(found: list[Symbol]) -> list[Symbol]:
         instead = _with_noun(after[:named], before[runs[0]])
         return _corrected([*before[: runs[0].start], *instead, *before[runs[0].stop :], *after[named:]])
     return after if after[0].kind in ("put", "grasp", "swap", "toss") else found
+
+
+def _turned(found: Sequence[Symbol]) -> list[Symbol]:
+    """`A on B` as `B on A`; empty where no relation is between two phrases at the end."""
+    at = max((place for place, symbol in enumerate(found) if symbol.kind == "relation"), default=0)
+    begun = at
+    while begun and found[begun - 1].kind in NAMING:
+        begun -= 1
+    is_whole = begun < at and at + 1 < len(found) and all(symbol.kind in NAMING for symbol in found[at + 1 :])
+    return [*found[:begun], *found[at + 1 :], found[at], *found[begun:at]] if is_whole else []
 
 
 def _may_replace(words: Sequence[Symbol], others: Sequence[Symbol]) -> bool:

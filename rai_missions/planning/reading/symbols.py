@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from itertools import zip_longest
 from typing import Any, NamedTuple
 
 from rai_missions.planning.reading.lexicon import Vocabulary
@@ -15,7 +16,7 @@ from rai_missions.planning.scene import CONTAINERS
 from rai_missions.planning.text.normalise import readable
 from rai_missions.planning.text.numbers import number
 
-__all__ = ("LONGEST_REQUEST", "MOST_WORDS", "Quantity", "Symbol", "symbols", "words_of")
+__all__ = ("LONGEST_REQUEST", "MOST_WORDS", "Quantity", "Symbol", "past", "symbols", "words_of")
 
 LONGEST_REQUEST = 600
 """Characters of a request; a longer text is not read."""
@@ -29,9 +30,11 @@ SIGNS = {
     ",": ",", "/": ",", ".": ".", ";": ".", "!": ".", "?": ".", ":": ":", "(": "(", "[": "(", ")": ")", "]": ")",
     "=": "=", "&": "and", "-": ",", "–": ",", "—": ",", "…": ",",
 }  # fmt: skip
-ARROW = re.compile(r"[-=]+>|⇒|➡")
+ARROW = re.compile(r"[-=]*>|⇒|➡")
 """Written as one sign, which a language may have among its words."""
-HYPHEN = re.compile(r"(?<=[^\W\d_])[-‐‑–](?=[^\W\d_])")
+HYPHEN = re.compile(r"(?<=[^\W\d_])[-‐‑–_](?=[^\W\d_])")
+SMILE = re.compile(r"[:;]-?[()dp](?!\w)|[\U0001f300-\U0001faff\u2600-\u27bf]")
+"""A face in signs or as one; an arrow was read before."""
 
 
 ENDS = (".", ",", "and", "then", "too", "empty")
@@ -66,11 +69,13 @@ class Symbol(NamedTuple):
 def words_of(request: str, lexicon: Vocabulary) -> list[str]:
     """The words, numbers and signs of a request in lower case, contractions written out and slips mended."""
     text = HYPHEN.sub(" ", ARROW.sub(" → ", readable(request).lower())).replace("−", "-")
+    text = SMILE.sub(" ", text).replace("\n", " . ")
     found = list[str]()
     contractions = lexicon.data["contractions"]
     for token in TOKENS["." if lexicon.data["decimal"] == "." else ".,"].findall(text):
         written: str = contractions.get(token, token)
-        found += (lexicon.mended(each) if each[0].isalpha() else each for each in written.split())
+        for each in written.split():
+            found += lexicon.parts(each) if each[0].isalpha() else [each]
     return found
 
 
@@ -82,8 +87,56 @@ def symbols(request: str, lexicon: Vocabulary) -> list[Symbol]:
         count, symbol = _symbol(words, at, lexicon)
         found.append(symbol)
         at += count
-    found = _compared(_without_noise(_with_other_wishes(list(_asking(found, lexicon.data)))))
+    found = list(_measured(_off_desk(_unbracketed(_unnumbered(found))), lexicon.data["measured"]))
+    found = list(_asking(found, lexicon.data))
+    found = _compared(_without_noise(_with_other_wishes(found)))
     return _without_contrast(_clearing(found), lexicon.data["contrast"])
+
+
+def _unnumbered(found: Sequence[Symbol]) -> list[Symbol]:
+    """With a sign in place of the number of a step: `1. red on blue 2. green on red`, `step 1: …`."""
+    kept, at = list[Symbol](), 0
+    while at < len(found):
+        before, sign = kept[-1].kind if kept else ".", found[at + 1].kind if at + 1 < len(found) else ""
+        is_step = found[at].kind == "number" and found[at].value.unit is None and before in (".", "noise", *SUBJECTS)
+        if is_step and sign in (".", ")", ":"):
+            kept.append(Symbol(".", "", found[at].text))
+            at += 1
+        else:
+            kept.append(found[at])
+        at += 1
+    return kept
+
+
+def _off_desk(found: Sequence[Symbol]) -> list[Symbol]:
+    """Without `off the desk` ahead of where things go: `everything off the desk into the bin`."""
+    return [
+        symbol
+        for symbol, after in zip_longest(found, found[1:])
+        if symbol.value != "off_desk" or after is None or (after.kind, after.value) != ("relation", "in")
+    ]
+
+
+def _measured(found: Sequence[Symbol], by: Collection[str]) -> list[Symbol]:
+    """With how far as it is elsewhere: `5 cm to the left` for `to the left by 5 cm`."""
+    kept = list[Symbol]()
+    for symbol, after in zip_longest(found, found[1:]):
+        if symbol.text in by and after is not None and after.kind == "number" and after.value.unit is not None:
+            continue
+        is_turned = symbol.kind == "number" and [each.kind == "side" for each in kept[-1:]] == [True]
+        is_alone = is_turned and kept[-2:-1] and kept[-2].kind != "number" and (after is None or after.kind != "side")
+        kept[len(kept) - bool(is_alone) : len(kept)] = [symbol, kept[-1]] if is_alone else [symbol]
+    return kept
+
+
+def _unbracketed(found: Sequence[Symbol]) -> list[Symbol]:
+    """With brackets as commas, where they are not around coordinates."""
+    kept, is_place = list[Symbol](), True
+    for at, symbol in enumerate(found):
+        if symbol.kind == "(":
+            is_place = any(each.kind in ("number", "axis") for each in found[at + 1 : at + 3])
+        kept.append(symbol if is_place or symbol.kind not in ("(", ")") else symbol._replace(kind=","))
+    return kept
 
 
 def _with_other_wishes(found: list[Symbol]) -> list[Symbol]:
@@ -93,28 +146,31 @@ def _with_other_wishes(found: list[Symbol]) -> list[Symbol]:
     """
     for at, symbol in enumerate(found):
         if symbol.kind == "except":
-            named = _past(found, at + 1, NAMING)
-            end = _past(found, named, ("noise",))
+            named = past(found, at + 1, NAMING)
+            end = past(found, named, ("noise",))
             is_closed = end == len(found) or found[end].kind in ENDS
-            is_too = _past(found, end, ("too",)) > end
+            is_too = past(found, end, ("too",)) > end
             is_how = is_too or any(each.value != "closing" for each in found[named:end])
             if named == at + 1 < end or (is_closed and is_how):
                 found[at] = symbol._replace(kind="no")
     return found
 
 
-def _past(found: Sequence[Symbol], at: int, kinds: Collection[str]) -> int:
+def past(found: Sequence[Symbol], at: int, kinds: Collection[str]) -> int:
     """The place past all symbols of some kinds from here."""
     return next((place for place in range(at, len(found)) if found[place].kind not in kinds), len(found))
 
 
 def _clearing(found: list[Symbol]) -> list[Symbol]:
-    """With a verb of clearing that has only a container after it as what it is there: `clear the tray` empties it."""
+    """With a verb of clearing as what it is there: `clear the tray` empties it, `clear the desk into it` moves all."""
     for at, symbol in enumerate(found):
+        if symbol.kind == "empty" or (symbol.kind == "put" and symbol.value in ("clear", "arrange")):
+            end = past(found, at + 1, ("the", "all"))
+            is_desk = end + 1 < len(found) and found[end].kind == "desk" and found[end + 1].kind == "relation"
+            if is_desk and found[end + 1].value in ("in", "on", "to"):
+                every = Symbol("everything", "", found[end].text)
+                return [*found[:at], symbol._replace(kind="put", value="clear"), every, *found[end + 1 :]]
         if (symbol.kind, symbol.value) == ("put", "clear"):
-            end = at + 1
-            while end < len(found) and found[end].kind in ("the", "all"):
-                end += 1
             is_container = end < len(found) and found[end].kind == "noun" and found[end].value.types <= CONTAINERS
             if is_container and (end + 1 == len(found) or found[end + 1].kind in (*ENDS, "particle")):
                 found[at] = symbol._replace(kind="empty", value="")

@@ -69,7 +69,10 @@ class Things:
             return tuple((each,) for each in tops)
         if phrase.kind in ("everything", "rest"):
             left_out = self._named | taken if phrase.kind == "rest" else frozenset[str]()
-            return (self._set(phrase, [each for each in self._seen(phrase) if each.name not in left_out]),)
+            found = self._set(phrase, [each for each in self._seen(phrase) if each.name not in left_out])
+            if phrase.count not in (None, len(found)):
+                raise Unread("ambiguous", self._which(phrase, [self.scene.thing(name) for name in found]))
+            return (found,)
         matching, perhaps = self._matching(phrase)
         if phrase.is_other:
             matching = [each for each in matching if each.name not in self._named | taken]

@@ -9,7 +9,7 @@ from rai_missions.planning.reading.lexicon import Vocabulary
 from rai_missions.planning.reading.noun_phrases import Cursor, noun_phrase, noun_phrases, ordered_phrases
 from rai_missions.planning.reading.phrases import Clause, Phrase, Unread
 
-__all__ = ("is_tower", "skip_several", "tower")
+__all__ = ("is_tower", "levels_of", "skip_several", "tower")
 
 LEVELS: dict[str, int | None] = {"bottom": 0, "top": -1, "middle": None}
 NOWHERE = 1_000
@@ -54,11 +54,13 @@ def tower(
         raise Unread("order", lexicon.text("order"))  # `towers`: of what is each?
     if first and (ordered := _ordered(first, cursor)):
         return [Clause("stack", ordered)]
+    if first and cursor.kind() == ":" and (ordered := ordered_phrases(cursor)):
+        return [Clause("stack", first, levels=tuple((each, level) for level, each in enumerate(ordered)))]
     if first and cursor.kind() == "relation":
         return _based(first, cursor, lexicon) or _chain(first, cursor, unread)
     cursor.skip("put")
     cursor.skip("each_other")
-    members, levels = _levels(first, cursor, lexicon)
+    members, levels = levels_of(first, cursor, lexicon)
     if not levels and first and cursor.kind() in ("and", ",") and cursor.kind(1) == "part":
         cursor.take()
         return [Clause("stack", first), *_several(cursor, unread)]
@@ -116,7 +118,7 @@ def _based(first: tuple[Phrase, ...], cursor: Cursor, lexicon: Vocabulary) -> li
     if target is None or cursor.kind() == "relation":
         cursor.back_to(begun)
         return []
-    members, levels = _levels(first, cursor, lexicon)
+    members, levels = levels_of(first, cursor, lexicon)
     return [Clause("stack", members, target, levels=levels)]
 
 
@@ -158,26 +160,38 @@ def _upward(cursor: Cursor, unread: Callable[[], Unread]) -> Clause:
     return Clause("stack", members if is_up else members[::-1])
 
 
-def _levels(
+def levels_of(
     first: tuple[Phrase, ...], cursor: Cursor, lexicon: Vocabulary
 ) -> tuple[tuple[Phrase, ...], tuple[tuple[Phrase, int | None], ...]]:
-    """What is left of the members, and what has a level: `… with red at the bottom, then blue, and green on top`."""
+    """What is left of the members, and what has a level from here on: `… with red at the bottom, green on top`."""
     members, placed = list(first), list[tuple[Phrase, int | None]]()
-    if members and cursor.kind() == "level":
+    if members and cursor.kind() == "level" and not _is_several(members[-1]):
         placed.append((members.pop(), LEVELS[cursor.take().value]))
     while True:
         before = cursor.at
-        cursor.skip(",", "and", "with", "put", "then")
+        cursor.skip(",", "and", "with", "put", "then", "there")
         level = _level(cursor)
+        cursor.skip(":")
         named = noun_phrases(cursor)
         level = _level(cursor) if level is NOWHERE else level
+        is_next = _skip_below(cursor) or cursor.kind() in ENDS
         if len(named) == 1 and level is not NOWHERE:
             placed.append((named[0], level))
-        elif named and level is NOWHERE and placed and cursor.kind() in ENDS:
-            placed += _next_levels(named, placed[-1][1], lexicon)
+        elif named and placed and (level is not NOWHERE or is_next):
+            between = named if level is NOWHERE else named[:-1]
+            placed += [
+                *_next_levels(between, placed[-1][1], lexicon),
+                *((each, level) for each in named[len(between) :]),
+            ]
         else:
             cursor.back_to(before)
             return tuple(members), tuple(placed)
+
+
+def _skip_below(cursor: Cursor) -> bool:
+    """Past words that name the level below, `… blue above it`; whether there were any."""
+    is_above = cursor.kind() == "relation" and cursor.value() == "on" and cursor.kind(1) == "pronoun"
+    return is_above and cursor.kind(2) in (*ENDS, "and") and cursor.skip("relation", "pronoun")
 
 
 def _level(cursor: Cursor) -> int | None:

@@ -175,7 +175,11 @@ def _by_length(given: Iterable[str]) -> list[list[str]]:
 
 
 def each_way(phrase: str) -> Iterator[list[str]]:
-    """The words of a phrase with each of its alternatives: `if you can` and `when you can` of `(if|when) you can`."""
+    """The words of a phrase with each of its alternatives: `if you can` and `when you can` of `(if|when) you can`.
+
+    Args:
+        phrase: Of a language's file; brackets are not within brackets.
+    """
     parts = (part.split("|") for part in re.split(r"[()]", phrase))
     return ("".join(way).split() for way in product(*parts))
 

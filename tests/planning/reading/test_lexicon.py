@@ -11,6 +11,7 @@ import pytest
 
 from rai_missions.errors import UsageError
 from rai_missions.planning.reading.lexicon import lexicon, lexicons
+from rai_missions.planning.text.normalise import each_way
 
 ENGLISH = lexicon("en")
 
@@ -35,7 +36,7 @@ def test_each_phrase_has_one_sense(code: str) -> None:
     data = lexicon(code).data
     tables = [*data["types"].values(), *data["groups"].values(), data["colours"], *data["words"].values()]
     lists = [phrases for table in tables for name, phrases in table.items() if name != "types"]
-    counts = Counter(chain.from_iterable(lists))
+    counts = Counter(" ".join(words) for phrase in chain.from_iterable(lists) for words in each_way(phrase))
     assert [phrase for phrase, count in counts.items() if count > 1] == []
 
 
