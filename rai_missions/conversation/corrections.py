@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from rai_missions.conversation.arguments import BadValue
 from rai_missions.conversation.language import Language
 from rai_missions.conversation.question_words import question_text
-from rai_missions.conversation.senses import Sense
+from rai_missions.conversation.senses import Sense, joined
 from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.view import KeyView, StatusView
 
@@ -49,7 +49,21 @@ class Corrections:
         yield from sorted(found, key=len)
 
     def corrected(self, words: Sequence[str], draft: Draft, view: StatusView) -> Sense | None:
-        """The draft with these words in place of one of its values, or what is wrong with them; None for other talk."""
+        """The draft with these words in place of one of its values, or what is wrong with them; None for other talk.
+
+        Of a list, the one order that they fit is corrected.
+        """
+        if not draft.sense.then:
+            return self._corrected(words, draft, view)
+        orders = draft.sense.orders
+        found = [self._corrected(words, draft._replace(sense=order), view) for order in orders]
+        made = [each if each is not None and each.kind == "order" else None for each in found]
+        if sum(each is not None for each in made) != 1:
+            return Sense("fault", "start", fault=self._language.text("correct_whole")) if any(found) else None
+        both = zip(made, orders, strict=True)
+        return joined([each or order for each, order in both])._replace(is_correction=draft.is_read_back)
+
+    def _corrected(self, words: Sequence[str], draft: Draft, view: StatusView) -> Sense | None:
         sense = draft.sense
         if sense.name != "start" or len(words) > LONGEST + 1:
             return None
@@ -85,6 +99,8 @@ class Corrections:
     def other(self, draft: Draft, view: StatusView) -> Sense:
         """The only other choice that there is, or the question for another one."""
         sense, language = draft.sense, self._language
+        if sense.then:
+            return Sense("other", fault=language.text("correct_whole"))
         if sense.name == "answer":
             question = view.question(sense.question)
             offers = question.options if question is not None else ()
