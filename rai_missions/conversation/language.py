@@ -7,7 +7,7 @@ Rule: no sentence of any language is written in code; a new language is a new fi
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
@@ -73,7 +73,14 @@ class Language(LanguageTexts):
         )  # fmt: skip
         every = (*self.orders.values(), *self.questions.values(), *alone)
         around = (*self.normaliser.lead, *self.normaliser.tail)
-        return frozenset(self.data["fillers"]).union(*around, *(each.words for each in every))
+        forms = (verb for verb in self.data["verb_forms"] if " " not in verb)
+        return frozenset([*self.data["fillers"], *forms]).union(*around, *(each.words for each in every))
+
+    def unclipped(self, word: str, known: Collection[str]) -> str:
+        """A known word whose last letters a person leaves out: `going` of `goin`; the word as it is, if none is."""
+        clipped: Mapping[str, str] = self.data["clipped_endings"]
+        whole = (word.removesuffix(end) + full for end, full in clipped.items() if word.endswith(end))
+        return word if word in known else next((each for each in whole if each in known), word)
 
     def imperative(self, words: Sequence[str]) -> list[str]:
         """An order whose verb has another form, as it is in an order: `go home` of `going home`.

@@ -27,6 +27,10 @@ MOST_SHARED = 4
 """Words of one part that the next may lack: `go to` of `go to the kitchen, then the study`."""
 
 
+MOST_LATER = 12
+"""Words of the longest order that is named ahead of the one that comes before it."""
+
+
 class Cut(NamedTuple):
     """A place at which one part of a sentence may end and the next begin."""
 
@@ -34,6 +38,8 @@ class Cut(NamedTuple):
     """Words ahead of it."""
     begin: int
     """Words up to the next part."""
+    is_marked: bool = True
+    """A sign or a word is there; else an order begins there without one."""
     is_reversing: bool = False
     """What is behind it comes first: `go home, but first find the cup`."""
 
@@ -56,6 +62,7 @@ class OrderLists:
         written = self._language.normaliser.words
         ways = ((written(" ".join(way)), name == REVERSING) for name, joint in joints for way in each_way(joint))
         self._joints = sorted(ways, key=_length, reverse=True)
+        self._before = [written(each) for each in data["before_openings"]]
         self._correcting = frozenset(data["correcting"])
         self._things = frozenset(data["thing_pronouns"]) - self._language.articles
 
@@ -70,17 +77,31 @@ class OrderLists:
         clauses = [self._language.normaliser.words(each) for each in self._language.normaliser.clauses(text)]
         words = [word for clause in clauses for word in clause]
         cuts = list(self._cuts(clauses))
-        if len(words) > MOST_WORDS or not 0 < len(cuts) <= MOST_CUTS or QUOTING in text:
+        if len(words) > MOST_WORDS or len(cuts) > MOST_CUTS or QUOTING in text:
             return ()
+        if opening := next((each for each in self._before if _begins(words, each)), []):
+            return self._first_named_last(words[len(opening) :], view)
+        if is_order(whole) and not any(map(self._grammar.open_texts, whole)):
+            cuts = [each for each in cuts if each.is_marked or 1 < each.end < len(words) - 1]
         reading = _Reading(self, words, cuts, view, is_whole=is_order(whole))
-        if len(parts := reading.parts(len(words))) > 1:
+        end = next((each.end for each in cuts if each.begin == len(words)), len(words))
+        if len(parts := reading.parts(end)) > 1 or (parts and end < len(words)):
             return _together(parts)
-        for cut in reversed(cuts):
+        for cut in (each for each in reversed(cuts) if each.is_marked):
             first, rest = reading.parts(cut.end), words[cut.begin :]
             if any(STOP in part for part in first) and (not whole or is_fault(whole)):
                 return (STOP,)
             if all(map(is_order, first)) and first and (is_fault(whole) or self._speaks_of_it(rest, whole)):
                 return tuple(sense._replace(rest=" ".join(rest)) for sense in _together(first))
+        return ()
+
+    def _first_named_last(self, words: Sequence[str], view: StatusView) -> tuple[Sense, ...]:
+        """The list of `before you go to the kitchen find the cup`, of the words behind its opening."""
+        for at in range(1, min(len(words), MOST_LATER)):
+            later = self.part(words[:at], view)
+            first = self.part(words[at:], view) if is_order(later) else ()
+            if is_order(first):
+                return _together([first, later])
         return ()
 
     def _cuts(self, clauses: Sequence[Sequence[str]]) -> Iterator[Cut]:
@@ -89,13 +110,11 @@ class OrderLists:
         for clause in clauses:
             begun, place = at, 0
             while place < len(clause):
-                joint, is_reversing = next(
-                    (each for each in self._joints if _begins(clause[place:], each[0])), ([], False)
-                )
-                if place == 0 and at:
-                    yield Cut(at, at + len(joint), is_reversing)
-                elif joint and at + place:
-                    yield Cut(at + place, at + place + len(joint), is_reversing)
+                left = clause[place:]
+                joint, is_reversing = next((each for each in self._joints if _begins(left, each[0])), ([], False))
+                is_marked = bool(joint) or place == 0
+                if at + place and (is_marked or self._grammar.begins_an_order(left)):
+                    yield Cut(at + place, at + place + len(joint), is_marked, is_reversing)
                 place += len(joint) or 1
             at = begun + len(clause)
 
@@ -178,6 +197,8 @@ class _Reading:
 
     def _part(self, begin: int, end: int, whole: tuple[int, int] = (0, 0)) -> Part:
         place = (begin, end, *whole)
+        if begin >= end:
+            return ()
         if place not in self._known:
             words, earlier = self._words[begin:end], self._words[slice(*whole)]
             if not earlier:

@@ -74,10 +74,17 @@ class SentenceGrammar:
         if not words or len(words) > MOST_WORDS or max(map(len, words)) > LONGEST_WORD:
             return ()
         bare = list(once(normaliser.bare(words, called(view.robot))))
-        found = next(filter(None, (self._words(each, view, draft) for each in self._forms(words, bare, view))), ())
-        found = found or self._indirect(bare, view)
-        mended = self._mended(bare, view, draft) if len(bare) <= MOST_MENDED and is_fault(found or FAULT) else ()
-        return mended if mended and not is_fault(mended) else found or mended
+        found = self._first(words, bare, view, draft) or self._indirect(bare, view)
+        for mended in self._mended(bare, view) if len(bare) <= MOST_MENDED and is_fault(found or FAULT) else ():
+            again = self._first(mended, normaliser.bare(mended, called(view.robot)), view, draft)
+            if again and not is_fault(again):
+                return again
+            found = found or again
+        return found
+
+    def _first(self, words: list[str], bare: list[str], view: StatusView, draft: Draft | None) -> tuple[Sense, ...]:
+        """What the likeliest form of a sentence means that means something."""
+        return next(filter(None, (self._words(each, view, draft) for each in self._forms(words, bare, view))), ())
 
     def open_texts(self, sense: Sense) -> list[str]:
         """The texts that a start has from the sentence for arguments that take any words."""
@@ -99,6 +106,10 @@ class SentenceGrammar:
     def begins_a_start(self, words: Sequence[str]) -> bool:
         """Whether the words begin with a phrase of the robot's own that starts a mission."""
         return self._phrases.begin(words)
+
+    def begins_an_order(self, words: Sequence[str]) -> bool:
+        """Whether the words begin with a phrase of an order."""
+        return self._phrases.begin(words) or any(each.begin(words) for each in self.language.orders.values())
 
     def start_in(self, words: Sequence[str], view: StatusView) -> Sense | None:
         """The start that the words are by a phrase of the robot's own; None where there is none, or several."""
@@ -202,17 +213,17 @@ class SentenceGrammar:
             return []
         return [each for is_name, run in runs for each in ([word] if is_name else run)]
 
-    def _mended(self, words: list[str], view: StatusView, draft: Draft | None) -> tuple[Sense, ...]:
-        """As after small errors of a recogniser or a keyboard."""
+    def _mended(self, words: list[str], view: StatusView) -> Iterator[list[str]]:
+        """The words without small errors of a recogniser or a keyboard: with the certain ones mended, then with all."""
         known = {*self._vocabulary, *_words_of(view)}
         misheard = self.language.data["mishearings"]
         short = [word if word in known else DRAWN_OUT.sub(r"\1", word) for word in words]
         mended = [misheard.get(word, word) if word not in known else word for word in short]
         if len(words) == 1:
             mended = [misheard.get(short[0], short[0])]
-        mended = [nearest(word, known) for word in mended]
-        bare = self.language.normaliser.bare(mended, called(view.robot))
-        return self._words(bare, view, draft) if mended != words else ()
+        certain = [self.language.unclipped(word, known) for word in mended]
+        near = [nearest(word, known) for word in certain]
+        yield from (each for each, before in ((certain, words), (near, certain)) if each != before)
 
     def _words(self, words: list[str], view: StatusView, draft: Draft | None = None) -> tuple[Sense, ...]:
         language = self.language

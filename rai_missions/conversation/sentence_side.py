@@ -195,7 +195,7 @@ class SentenceSide:
 
         Args:
             utterance: The sentence.
-            faults: What the whole means, with values that do not fit; an order must have one for each.
+            faults: What the whole means, with values that do not fit; a start must have one for each.
         """
         if self._talk.settings.has_model or utterance.is_spoken or self._orders.confirmation.order is not None:
             return ()
@@ -206,7 +206,10 @@ class SentenceSide:
         if not senses and not faults:
             asked = self._grammar.question_by_sense(text, self._talk.view)
             return (asked,) if asked is not None else ()
-        if not senses or any(not each.lacks or set(each.lacks) - senses[-1].arguments.keys() for each in faults):
+        orders = [order for sense in senses for order in sense.orders]
+        values = {name for order in orders for name in order.arguments}
+        is_filled = all(each.lacks and values.issuperset(each.lacks) for each in faults)
+        if not senses or not (is_filled or (orders and all(order.name != "start" for order in orders))):
             return ()
         is_order = senses[-1].kind == "order"
         return self._answerable(senses) if not is_order or self._is_possible(senses[-1], utterance) else ()

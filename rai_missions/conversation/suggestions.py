@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from rai_missions.conversation.language import QUOTING
-from rai_missions.conversation.senses import FAULT, STOP, Sense, is_fault
+from rai_missions.conversation.senses import FAULT, STOP, Sense, is_fault, joined
 from rai_missions.conversation.sentence_grammar import SentenceGrammar
 from rai_missions.conversation.state_answers import ALWAYS
 from rai_missions.conversation.view import StatusView
@@ -53,9 +53,9 @@ class Suggestions:
         self._asking = frozenset(data["asking"]) - self._requesting
 
     def suggested(self, text: str, view: StatusView) -> tuple[Sense, ...]:
-        """The one order in it, or else its first question, or what an order in it lacks; empty with a condition.
+        """The orders in it, or else its first question, or what an order in it lacks; empty with a condition.
 
-        A question for a thing comes with the order to look for it.
+        A question for a thing comes with the order to look for it, where that is the only one.
 
         Args:
             text: The sentence, as it was received, which means nothing as a whole, or has values that do not fit.
@@ -78,8 +78,10 @@ class Suggestions:
                 orders[order[-1].identity] = (*order[:-1], order[-1]._replace(is_partial=True))
             elif senses and senses[0].kind in ("question", "fault") and senses[0].name not in ALWAYS:
                 others.append(senses[0])
+        if len(orders) > 1:
+            return (joined([each[-1] for each in orders.values()]),)
         if orders:
-            return next(iter(orders.values())) if len(orders) == 1 else ()
+            return next(iter(orders.values()))
         return tuple(sorted(others, key=lambda sense: sense.kind == "fault")[:1])
 
     def _is_conditional(self, words: list[str], view: StatusView) -> bool:

@@ -69,7 +69,7 @@ class Drawn(NamedTuple):
 def joints(code: str) -> list[str]:
     """What may be between two orders, as a person types it."""
     words = [" ".join(way) for joint in language(code).data["order_joints"] for way in each_way(joint)]
-    return [", ", ". ", "! ", *(f" {each} " for each in words), *(f", {each} " for each in words)]
+    return [" ", ", ", ". ", "! ", *(f" {each} " for each in words), *(f", {each} " for each in words)]
 
 
 def after(state: str, name: str) -> str:
@@ -207,6 +207,43 @@ def test_a_stop_anywhere_in_a_list_counts_at_once_and_first(case: tuple[str, Dra
     behind = len(drawn.names) - drawn.names.index("stop") - 1
     for read in asked:
         assert len(read.data["order"].get("then", ())) < behind, "what is ahead of a stop is dropped"
+
+
+OTHERWISE = {
+    "en": {
+        "before you go to the kitchen find the cup": ("cup", "kitchen"),
+        "go back to your dock, but first go to the study": ("study", "home"),
+        "go to the kitchen n then the study": ("kitchen", "study"),
+        "first the kitchen, then find the cup": ("kitchen", "cup"),
+        "go to the kitchen, find the cup afterwards": ("kitchen", "cup"),
+        "could you go to the kitchen and find the cup?": ("kitchen", "cup"),
+        "would you mind going to the kitchen and finding the cup": ("kitchen", "cup"),
+        "it is late, go to the kitchen. We all wait. Find the cup": ("kitchen", "cup"),
+        "go to the kitchen, then": ("kitchen",), "go to the kitchen, no, the study": ("study",),
+    },
+    "de": {
+        "bevor du in die Küche fährst such die Tasse": ("cup", "kitchen"),
+        "fahr nach Hause, aber vorher in die Diele": ("study", "home"),
+        "fahr in die Küche u dann in die Diele": ("kitchen", "study"),
+        "erst die Küche, dann such die Tasse": ("kitchen", "cup"),
+        "fahr in die Küche und such die Tasse hinterher": ("kitchen", "cup"),
+        "kannst du in die Küche fahren und die Tasse suchen?": ("kitchen", "cup"),
+        "in die Küche fahrn und die Tasse suchn": ("kitchen", "cup"),
+        "es ist spät, fahr in die Küche. Wir warten alle. Such die Tasse": ("kitchen", "cup"),
+        "fahr in die Küche, dann": ("kitchen",),
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("code", "text", "names"), [(code, *each) for code in OTHERWISE for each in OTHERWISE[code].items()]
+)
+def test_a_list_in_other_words_is_the_list_of_its_orders(code: str, text: str, names: tuple[str, ...]) -> None:
+    robot = Robot(code, IDLE)
+    (read,) = robot.types(text)
+    orders = [Robot(code, IDLE).types(ORDERS[code][name])[0].data["order"] for name in names]
+    first = read.data["order"]
+    assert [{name: value for name, value in first.items() if name != "then"}, *first.get("then", ())] == orders
 
 
 @pytest.mark.parametrize("code", languages())
