@@ -14,7 +14,7 @@ from typing import Any
 
 from rai_missions.conversation.phrases import Phrases
 from rai_missions.planning.text.language_file import LanguageTexts, language_codes, language_file, spoken, word_forms
-from rai_missions.planning.text.normalise import Normaliser
+from rai_missions.planning.text.normalise import Normaliser, each_way
 from rai_missions.redaction import cut
 
 __all__ = ("QUOTING", "Language", "language", "languages", "spoken")
@@ -58,12 +58,19 @@ class Language(LanguageTexts):
         self.question_senses = self._named_phrases("question_senses")
         self.option_senses, self.advising = self._named_phrases("option_senses"), self._phrases("advising")
         self.statement, self.wish = self._phrases("statement"), self._phrases("wish")
+        names = ("order_joints", "reversing_joints", "before_openings")
+        order_joints, self.reversing_joints, self.before_openings = map(self._each_way, names)
+        self.joints = sorted(order_joints + self.reversing_joints, key=len, reverse=True)
+        """The words that join two orders, the longest first."""
 
     def _phrases(self, name: str) -> Phrases:
         return Phrases(self.data[name], self.parts)
 
     def _named_phrases(self, name: str) -> dict[str, Phrases]:
         return {each: Phrases(phrases, self.parts) for each, phrases in self.data[name].items()}
+
+    def _each_way(self, name: str) -> list[list[str]]:
+        return [self.normaliser.words(" ".join(way)) for joint in self.data[name] for way in each_way(joint)]
 
     def vocabulary(self) -> frozenset[str]:
         """Every word of the grammar: what a misspelled word may be meant as."""

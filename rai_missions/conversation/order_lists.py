@@ -16,11 +16,9 @@ from rai_missions.conversation.senses import STOP, Sense, is_fault, joined
 from rai_missions.conversation.sentence_grammar import MOST_WORDS, SentenceGrammar
 from rai_missions.conversation.state_answers import ALWAYS
 from rai_missions.conversation.view import StatusView
-from rai_missions.planning.text.normalise import each_way
 
 __all__ = ("OrderLists", "is_greeting", "is_order")
 
-REVERSING = "reversing_joints"
 MOST_CUTS = 10
 """Places of a sentence at which one of its parts may end; with more it is other talk."""
 MOST_SHARED = 4
@@ -58,11 +56,6 @@ class OrderLists:
     def __init__(self, grammar: SentenceGrammar) -> None:
         self._grammar, self._language = grammar, grammar.language
         data = self._language.data
-        joints = ((name, joint) for name in ("order_joints", REVERSING) for joint in data[name])
-        written = self._language.normaliser.words
-        ways = ((written(" ".join(way)), name == REVERSING) for name, joint in joints for way in each_way(joint))
-        self._joints = sorted(ways, key=_length, reverse=True)
-        self._before = [written(each) for each in data["before_openings"]]
         self._correcting = frozenset(data["correcting"])
         self._things = frozenset(data["thing_pronouns"]) - self._language.articles
 
@@ -79,7 +72,7 @@ class OrderLists:
         cuts = list(self._cuts(clauses))
         if len(words) > MOST_WORDS or len(cuts) > MOST_CUTS or QUOTING in text:
             return ()
-        if opening := next((each for each in self._before if _begins(words, each)), []):
+        if opening := next((each for each in self._language.before_openings if _begins(words, each)), []):
             return self._first_named_last(words[len(opening) :], view)
         if is_order(whole) and not any(map(self._grammar.open_texts, whole)):
             cuts = [each for each in cuts if each.is_marked or 1 < each.end < len(words) - 1]
@@ -111,7 +104,8 @@ class OrderLists:
             begun, place = at, 0
             while place < len(clause):
                 left = clause[place:]
-                joint, is_reversing = next((each for each in self._joints if _begins(left, each[0])), ([], False))
+                joint = next((each for each in self._language.joints if _begins(left, each)), [])
+                is_reversing = joint in self._language.reversing_joints
                 is_marked = bool(joint) or place == 0
                 if at + place and (is_marked or self._grammar.begins_an_order(left)):
                     yield Cut(at + place, at + place + len(joint), is_marked, is_reversing)
@@ -230,7 +224,3 @@ def _together(parts: Sequence[Part]) -> tuple[Sense, ...]:
 
 def _begins(words: Sequence[str], joint: Sequence[str]) -> bool:
     return list(words[: len(joint)]) == list(joint)
-
-
-def _length(joint: tuple[list[str], bool]) -> int:
-    return len(joint[0])

@@ -29,7 +29,7 @@ from rai_missions.event import Event, Role
 from rai_missions.runtime.clock import WallClock
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.testing import Inbox
-from tests.agents.talk.scenes import RepliesModel, Screen, Talk
+from tests.agents.talk.scenes import RepliesModel, Screen, Talk, settle
 from tests.rigs.runs import KEYS, Rig, asking, mission, robot
 
 MOVING: dict[str, Any] = {
@@ -286,6 +286,26 @@ def test_orders_of_a_conversation_are_events_with_role_and_sentence() -> None:
         talk.until(lambda: any(step.event.name == "resume" for step in tuple(talk.steps)))
         (resume,) = [step.event for step in talk.steps if step.event.name == "resume"]
         assert resume.data["by"] == f"operator {'A' * 200} (terminal)"
+
+
+def test_the_steps_of_a_list_of_orders_are_those_of_the_same_orders_one_by_one() -> None:
+    def steps(*sentences: str) -> list[tuple[object, ...]]:
+        with talked(waits=True) as talk:
+            for sentence in sentences:
+                settle(talk.agent)
+                before = len(talk.screen.of_robot())
+                talk.order(sentence)
+                talk.screen.until(lambda line, before=before: talk.screen.of_robot().index(line) >= before)
+                if "Is that right?" in talk.screen.texts()[-1]:
+                    talk.order("yes")
+                    talk.until(lambda: talk.steps)
+                settle(talk.agent)
+            assert talk.end().outcome == "canceled"
+            commands = [step for step in talk.steps if step.event.kind == "command"]
+            return [(step.event.name, step.mode, step.entered, step.exited) for step in commands]
+
+    orders = ("start with speed 2", "pause", "cancel the mission")
+    assert steps(", then ".join(orders)) == steps(*orders) != []
 
 
 class Aloud(Screen):
