@@ -36,6 +36,8 @@ POLITE, LONGEST_GREETING = ("hello", "thanks", "sorry"), 3
 """Questions that are none and may be ahead of any sentence, and the words of the longest."""
 MOST_NESTED = 3
 """Questions and tags that are read inside one another."""
+MOST_READ = 1_000
+"""Readings that are remembered while the run is the same."""
 NONE: Mapping[str, str] = {}
 
 
@@ -60,6 +62,9 @@ class SentenceGrammar:
         pronouns = frozenset(language.data["pronouns"])
         self._subjects = pronouns - frozenset(language.data["thing_pronouns"])
         self._persons = pronouns - language.articles
+        self._view: StatusView | None = None
+        self._known = dict[tuple[str, ...], tuple[Sense, ...]]()
+        """What words mean in this view: a sentence, its clauses and its parts are read by several."""
         self._vocabulary = language.vocabulary() | self._phrases.words | self._questions.words
 
     def senses(self, words: list[str], view: StatusView, draft: Draft | None = None) -> tuple[Sense, ...]:
@@ -70,6 +75,16 @@ class SentenceGrammar:
             view: The run: which options, missions and keys there are.
             draft: The order that it may correct.
         """
+        if draft is not None:
+            return self._read(words, view, draft)
+        if view is not self._view or len(self._known) >= MOST_READ:
+            self._view, self._known = view, {}
+        key = tuple(words)
+        if key not in self._known:
+            self._known[key] = self._read(words, view)
+        return self._known[key]
+
+    def _read(self, words: list[str], view: StatusView, draft: Draft | None = None) -> tuple[Sense, ...]:
         normaliser = self.language.normaliser
         if not words or len(words) > MOST_WORDS or max(map(len, words)) > LONGEST_WORD:
             return ()
