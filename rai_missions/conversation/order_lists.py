@@ -8,7 +8,7 @@ other words, and a value that may have the joint in it, stay whole.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import product
+from itertools import islice, product
 from typing import NamedTuple
 
 from rai_missions.conversation.language import QUOTING
@@ -23,10 +23,10 @@ MOST_CUTS = 10
 """Places of a sentence at which one of its parts may end; with more it is other talk."""
 MOST_SHARED = 4
 """Words of one part that the next may lack: `go to` of `go to the kitchen, then the study`."""
-
-
 MOST_LATER = 12
 """Words of the longest order that is named ahead of the one that comes before it."""
+MOST_WAYS = 16
+"""Ways in which ambiguous parts may be meant together."""
 
 
 class Cut(NamedTuple):
@@ -92,13 +92,13 @@ class OrderLists:
         """The list of `before you go to the kitchen find the cup`, of the words behind its opening."""
         for at in range(1, min(len(words), MOST_LATER)):
             later = self.part(words[:at], view)
-            first = self.part(words[at:], view) if is_order(later) else ()
+            first = self.part(words[at:], view) if is_order(later) and STOP not in later else ()
             if is_order(first):
                 return _together([first, later])
         return ()
 
     def _cuts(self, clauses: Sequence[Sequence[str]]) -> Iterator[Cut]:
-        """Where a clause ends, and where words join what is around them; ahead of a clause they are part of its end."""
+        """Where a clause begins, where words join what is around them, and where an order of some words begins."""
         at = 0
         for clause in clauses:
             begun, place = at, 0
@@ -107,7 +107,7 @@ class OrderLists:
                 joint = next((each for each in self._language.joints if _begins(left, each)), [])
                 is_reversing = joint in self._language.reversing_joints
                 is_marked = bool(joint) or place == 0
-                if at + place and (is_marked or self._grammar.begins_an_order(left)):
+                if at + place and (is_marked or (len(left) > 1 and self._grammar.begins_an_order(left))):
                     yield Cut(at + place, at + place + len(joint), is_marked, is_reversing)
                 place += len(joint) or 1
             at = begun + len(clause)
@@ -218,7 +218,7 @@ def is_greeting(senses: Sequence[Sense]) -> bool:
 def _together(parts: Sequence[Part]) -> tuple[Sense, ...]:
     """What parts mean together, in each way in which they may be meant; what is polite is left out."""
     meant = [part for part in parts if not is_greeting(part)] or parts[:1]
-    found = (joined(each) for each in product(*meant))
+    found = (joined(each) for each in islice(product(*meant), MOST_WAYS))
     return tuple({sense.identity: sense for sense in found}.values())
 
 

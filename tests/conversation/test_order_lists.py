@@ -34,7 +34,7 @@ from tests.rigs.laws import drill
 
 ORDERS = {
     "en": {
-        "stop": "stop", "pause": "pause", "resume": "carry on", "cancel": "cancel the mission",
+        "stop": "stop the robot", "pause": "take a break", "resume": "carry on", "cancel": "cancel the mission",
         "kitchen": "go to the kitchen", "study": "go to the study", "cup": "find the cup",
         "home": "go back to your dock",
     },
@@ -244,6 +244,23 @@ def test_a_list_in_other_words_is_the_list_of_its_orders(code: str, text: str, n
     orders = [Robot(code, IDLE).types(ORDERS[code][name])[0].data["order"] for name in names]
     first = read.data["order"]
     assert [{name: value for name, value in first.items() if name != "then"}, *first.get("then", ())] == orders
+
+
+@pytest.mark.parametrize(
+    ("code", "text", "names"),
+    [
+        ("en", "find the bus stop", ("find the bus stop",)), ("en", "before you stop find the cup", ()),
+        ("en", "go to the kitchen or find the cup", ()), ("en", "if it rains go to the kitchen and find the cup", ()),
+        ("en", "he wrote: go to the kitchen and find the cup", ()), ("de", "bevor du anhältst such die Tasse", ()),
+        ("de", "fahr in die Küche oder such die Tasse", ()), ("de", "wenn es regnet fahr heim und such die Tasse", ()),
+    ],
+)  # fmt: skip
+def test_a_choice_a_condition_and_the_words_of_others_are_no_list(code: str, text: str, names: tuple[str, ...]) -> None:
+    robot = Robot(code, RUNNING)
+    assert [each.data["order"] for each in robot.types(text)] == [
+        each.data["order"] for name in names for each in Robot(code, RUNNING).types(name)
+    ]
+    assert robot.steps == []
 
 
 @pytest.mark.parametrize("code", languages())
