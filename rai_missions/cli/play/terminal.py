@@ -15,6 +15,7 @@ from typing import Any, TextIO
 from rai_missions.cli.play.session import PlaySession
 from rai_missions.cli.progress import trimmed, value_words
 from rai_missions.engine.description import describe
+from rai_missions.engine.step import Step
 from rai_missions.errors import MissionError, UsageError, suggestion
 from rai_missions.replay.play import Click, Field, PlayChoice
 from rai_missions.replay.play.choice import ChoiceKind
@@ -191,7 +192,7 @@ class TerminalPlay:
         common = [each for each in numbered if not (each[1].is_awaited or each[1].is_rare)]
         for title, kinds in GROUPS.items():
             self._list(title, [each for each in common if each[1].kind in kinds])
-        self._facts([each for each in common if each[1].kind == "key"])
+        self._facts([each for each in common if each[1].kind in ("key", "stale")])
         rare = [each for each in numbered if each[1].is_rare]
         if rare and self._shows_rare:
             self._list("seldom", rare)
@@ -204,7 +205,7 @@ class TerminalPlay:
 
         def rank(choice: PlayChoice) -> tuple[bool, int, bool]:
             here = 0 if choice.is_awaited else ranks.get(choice.kind, len(GROUPS) + 1)
-            return choice.is_rare, here, choice.name.startswith("stale ")
+            return choice.is_rare, here, choice.kind == "stale"
 
         return sorted(self._session.play.choices(), key=rank)
 
@@ -220,18 +221,15 @@ class TerminalPlay:
 
     def _facts(self, choices: Sequence[tuple[int, PlayChoice]]) -> None:
         chart = self._session.play.chart
-        values = [each for each in choices if not each[1].name.startswith("stale ")]
+        values = [each for each in choices if each[1].kind == "key"]
         if values:
             self._print("facts, each given by NUMBER VALUE:")
         for number, choice in values:
-            name = choice.name.partition(" ")[2]
-            entry = chart.view.board.get(name)
+            entry = chart.view.board.get(choice.key)
             age_s = 0.0 if entry is None else max(0.0, chart.at - entry.at)
             now = "unknown" if entry is None else f"{value_words(entry.value, 60)}, {age_s:.3g} s old"
-            self._print(f"{number:4} {name} ({now})")
-        stale = [
-            f"{number} {choice.name.partition(' ')[2]}" for number, choice in choices if (number, choice) not in values
-        ]
+            self._print(f"{number:4} {choice.key} ({now})")
+        stale = [f"{number} {choice.key}" for number, choice in choices if choice.kind == "stale"]
         if stale:
             for line in textwrap.wrap(f"to let one go stale: {', '.join(stale)}", WIDTH, subsequent_indent="     "):
                 self._print(line)
@@ -274,12 +272,13 @@ def _shown(value: Any) -> str:
 def _happened(click: Click) -> Iterator[str]:
     """What came of a choice, a line each."""
     yield f"{click.words}:"
-    quiet = 0
-    for step in click.steps:
-        described = describe(step)
-        lines = [described.way, *described.notes, *(f"→ {each}" for each in described.effects), described.why]
-        found = [trimmed(line) for line in lines if line]
-        quiet += not found
-        yield from (f"  {line}" for line in found)
-    if quiet == len(click.steps):
-        yield "  nothing else changed"
+    lines = [trimmed(line) for step in click.steps for line in _step_lines(step) if line]
+    yield from (f"  {line}" for line in lines or ["nothing else changed"])
+
+
+def _step_lines(step: Step) -> Iterator[str]:
+    described = describe(step)
+    yield described.way
+    yield from described.notes
+    yield from (f"→ {each}" for each in described.effects)
+    yield described.why

@@ -14,7 +14,10 @@ from rai_missions.replay.play.passage import let_time_pass
 
 __all__ = ("ChoiceKind", "Input", "Passage", "PlayChoice", "perform")
 
-ChoiceKind = Literal["start", "event", "answer", "goal", "call", "behaviour", "key", "time", "command", "control"]
+ChoiceKind = Literal[
+    "start", "event", "answer", "goal", "call", "behaviour", "key", "stale", "time", "command", "control"
+]
+"""`key`: a value of one is given; `stale`: a fact is not reported any more, until it is too old."""
 
 
 class Passage(NamedTuple):
@@ -41,6 +44,8 @@ class PlayChoice(NamedTuple):
     fields: tuple[Field, ...] = ()
     state: str = ""
     """The state that it concerns; empty for none."""
+    key: str = ""
+    """The key whose value is given or goes stale; empty for none."""
     about: str = ""
     is_awaited: bool = False
     """The mission waits for it: its start, an answer, control that it asked for."""

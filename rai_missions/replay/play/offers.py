@@ -124,10 +124,11 @@ class OpenChoices:
         for name, key in self._mission.blackboard.items():
             if key.source == "robot" or (key.source == "argument" and chart.unstarted):
                 words = f"the robot reports {name}" if key.source == "robot" else f"the argument {name} is given"
-                yield self._writing(f"key {name}", words, {name: key}, chart)._replace(about=key.about)
+                yield self._writing(f"key {name}", words, {name: key}, chart)._replace(about=key.about, key=name)
         for name, end in fresh.items() if not chart.unstarted and chart.outcome is None else ():
             passage = partial(_pass, until=end, but=(name,))
-            yield PlayChoice(f"stale {name}", "key", f"{name} goes stale", passage, about=f"until {end:.3g} s")
+            about = f"until {end:.3g} s"
+            yield PlayChoice(f"stale {name}", "stale", f"{name} goes stale", passage, about=about, key=name)
 
     def _writing(self, name: str, words: str, keys: Mapping[str, Key], chart: Chart) -> PlayChoice:
         board = chart.view.board
@@ -289,7 +290,7 @@ def tested(chart: Chart, choice: PlayChoice) -> PlayChoice | None:
 
     What it would bring with other values is not known: a choice of an event with values of its own is kept.
     """
-    if choice.kind in ("key", "time", "start"):
+    if choice.kind in ("key", "stale", "time", "start"):
         return choice if choice.kind != "key" or chart.outcome is None else None
     probe = chart.branch()
     steps = [step for given in choice.inputs(probe, {}) for step in perform(probe, given)]

@@ -114,14 +114,14 @@ def takes_each_choice(mission: Mission, seed: int) -> None:
             chart = play.chart.branch()
             inputs = choice.inputs(chart, {})
             if not all(isinstance(each, Event) for each in inputs):
-                assert choice.kind in ("time", "key")
+                assert choice.kind in ("time", "stale")
                 continue
             steps = [
                 chart.start(each.at) if each.name == "start" else chart.send(each)
                 for each in inputs if isinstance(each, Event)
             ]  # fmt: skip
             assert [step.refusal for step in steps] == [""] * len(steps), choice.name
-            if choice.kind not in ("key", "time", "start") and not (choice.kind == "event" and choice.fields):
+            if choice.kind not in ("key", "stale", "time", "start") and not (choice.kind == "event" and choice.fields):
                 is_noted = not all(step.ignored for step in steps)
                 assert is_noted or content(chart) != content(play.chart), choice.name
 

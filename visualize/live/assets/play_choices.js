@@ -2,7 +2,7 @@
 // What can happen now: a button each, in groups; with the inputs of what it takes.
 
 const GROUPS = [["What runs", ["goal", "call", "behaviour"]], ["Events", ["event"]], ["Time", ["time"]],
-  ["Facts", ["key"]], ["The operator, and control", ["command", "control"]]];
+  ["Facts", ["key", "stale"]], ["The operator, and control", ["command", "control"]]];
 const SHORT = ["command", "control"];
 const MOST_DIGITS = 9;
 
@@ -87,10 +87,9 @@ class Choices {
   }
 
   facts(choices, state) {
-    const stale = new Map(choices.filter((each) => each.name.startsWith("stale "))
-      .map((each) => [each.name.slice(6), each]));
-    return choices.filter((each) => !each.name.startsWith("stale ")).map((choice) => {
-      const name = choice.name.slice(4), entry = state.board[name], fades = stale.get(name);
+    const stale = new Map(choices.filter((each) => each.kind === "stale").map((each) => [each.key, each]));
+    return choices.filter((each) => each.kind === "key").map((choice) => {
+      const name = choice.key, entry = state.board[name], fades = stale.get(name);
       const age = entry ? Math.max(0, state.at - entry[1]) : 0, most = (state.keys[name] || {}).max_age_s;
       const isStale = entry && most && age >= most;
       return make("div", { class: `known${isStale ? " stale" : ""}`, "data-key": name, title: choice.about },
