@@ -138,7 +138,7 @@ def _read(config: RunConfig, closing: CleanupStack) -> RunPlan:
     if mission is None:
         raise UsageError("no mission was named, and no run to resume")
     given_mission(mission, "a run")
-    if robot is not None and "world" in robot.connector and config.seed is not None:  # the journal has it with the rest
+    if robot is not None and robot.world and config.seed is not None:  # the journal has it with the rest
         robot = robot.model_copy(update={"connector": {**robot.connector, "seed": config.seed}})
     return RunPlan(config, mission, robot, identity, resumed)
 

@@ -38,7 +38,7 @@ class OracleAnswerer:
     """
 
     def __init__(self, robot: Robot, *, longest_s: float = LONGEST_S) -> None:
-        if robot.connector.get("kind") != "local" or not robot.connector.get("world"):
+        if not robot.world:
             raise UsageError(
                 f"the oracle tries options in a copy of a simulated world, and the profile '{robot.name}' has none: "
                 "it cannot answer for a real robot"

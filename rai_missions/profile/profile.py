@@ -146,6 +146,11 @@ class Robot(MissionModel):
                 why = f"'{name}' is received during '{event.during}', which is no action here{near}"
                 yield fault("events", why, at=("events", name, "during"))
 
+    @property
+    def world(self) -> str:
+        """The simulated world in which it is, inside the process of its run; empty for none."""
+        return str(self.connector.get("world") or "") if self.connector["kind"] == "local" else ""
+
     def written(self) -> dict[str, Any]:
         """As JSON has it."""
         return {"format": self.format, **super().written()}

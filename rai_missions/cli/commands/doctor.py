@@ -37,13 +37,9 @@ def doctor(
     from rai_missions.errors import DefinitionError
     from rai_missions.profile import Robot, load_profile
 
-    given = (
-        Path(robot)
-        if robot and is_robot_program(robot, python=not no_python)
-        else load_profile(robot)
-        if robot
-        else None
-    )
+    given: Robot | Path | None = None
+    if robot:
+        given = Path(robot) if is_robot_program(robot, python=not no_python) else load_profile(robot)
     is_missing = False
     whole = load_whole(mission, python=not no_python) if mission else None
     if isinstance(given, Robot) and (faults := conversation_faults(given, whole)):

@@ -76,10 +76,8 @@ def loads(program: Path) -> MachineFinding:
 def _local(kind: str, robot: Robot) -> MachineFinding:
     for fault in connector_faults(robot):
         return MachineFinding("missing", f"the robot '{robot.name}' cannot be reached", str(fault))
-    world = robot.connector.get("world")
-    return MachineFinding(
-        "ok", f"the robot '{robot.name}' is simulated with the run" if world else f"'{robot.name}' is local"
-    )
+    what = f"the robot '{robot.name}' is simulated with the run" if robot.world else f"'{robot.name}' is local"
+    return MachineFinding("ok", what)
 
 
 def _types(robot: Robot, given: Mapping[str, str]) -> Iterator[MachineFinding]:

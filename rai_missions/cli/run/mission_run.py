@@ -210,13 +210,14 @@ def _without_effect(options: RunOptions, mission: Mission, *, is_python: bool) -
         return "--seed has no effect: the robot is in Python, and no world is simulated" if "--seed" in words else ""
     if not words:
         return ""
-    connector = load_whole_profile(options.robot, mission).connector if options.robot else {"kind": "none"}
-    if (options.resume and not options.robot) or (connector["kind"] == "local" and connector.get("world") is not None):
+    robot = load_whole_profile(options.robot, mission) if options.robot else None
+    if (options.resume and robot is None) or (robot is not None and robot.world):
         return ""
     text = f"{' and '.join(words)} {'has' if len(words) == 1 else 'have'} no effect: the run simulates no world, "
-    if options.robot:
-        return text + f"its robot is reached by a connector of kind '{connector['kind']}' (see: rai-missions world)"
-    return text + "for it has no robot"
+    if robot is None:
+        return text + "for it has no robot"
+    kind = robot.connector["kind"]
+    return text + f"its robot is reached by a connector of kind '{kind}' (see: rai-missions world)"
 
 
 def _run_managed(options: RunOptions, *, is_python: bool) -> int:

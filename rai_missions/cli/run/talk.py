@@ -53,7 +53,7 @@ class TalkSetup:
         self.config = replace(
             config.observed_by(RunObserver(self._follow_step, self._follow_status)), waits=self._waits,
             operator=None if options.no_operator else HeldOpen(),
-            speed=1.0 if config.speed is None and _is_simulated(profile) else config.speed,
+            speed=1.0 if config.speed is None and profile is not None and profile.world else config.speed,
         )  # fmt: skip
         """What the run is to be made of instead: at the wall's speed, since a person takes part."""
 
@@ -176,8 +176,3 @@ def _checked_profile(config: RunConfig) -> Robot | None:
     if faults:
         raise DefinitionError(faults, str(config.robot or config.resume))
     return profile
-
-
-def _is_simulated(profile: Robot | None) -> bool:
-    """Whether the run has the time of a simulated world."""
-    return profile is not None and profile.connector["kind"] == "local" and profile.connector.get("world") is not None
