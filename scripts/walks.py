@@ -11,7 +11,8 @@ A walk is a list of stays: functions or classes. Each is reached from the stay b
 - `up`, by a callback, a queue or a protocol: the same the other way round, or its class has each method of the
   protocol. It is on the floor of what it registers for or implements, or above.
 
-What is not so, such as a call that is somewhere else now, is a fault. So is a file of a `change` that is not there.
+What is not so, such as a call that is somewhere else now, is a fault. So is a file of a `change` that is not there, or
+a room without a door.
 """
 
 from __future__ import annotations
@@ -207,16 +208,59 @@ def faults(walk: Walk) -> Iterator[str]:
             yield f"{walk.title}: {user.name} does not name {used.function} of {used.module}"
 
 
-def rooms() -> Iterator[str]:
-    """Each room with the first paragraph of its docstring, floor by floor from the top."""
+def packages() -> list[str]:
+    """The rooms that are packages, floor by floor from the top."""
     known = floors()
-    packages = {name for name in known if (ROOT / "rai_missions" / name / "__init__.py").exists()}
-    for floor in sorted({known[name] for name in packages}, reverse=True):
-        for name in sorted(each for each in packages if known[each] == floor):
-            text = (ast.get_docstring(tree(f"rai_missions.{name}")) or "").partition("\n\n")[0]
-            yield f"- {floor}: `{name}`. {' '.join(text.split())}"
-    text = (ast.get_docstring(tree("visualize")) or "").partition("\n\n")[0]
-    yield f"- `visualize`, a package of its own. {' '.join(text.split())}"
+    found = [name for name in known if (ROOT / "rai_missions" / name / "__init__.py").exists()]
+    return sorted(found, key=lambda name: (-known[name], name))
+
+
+def read_doors(path: Path = WALKS) -> Mapping[str, tuple[str, ...]]:
+    """Room → where to begin to read it: module and name."""
+    return {room: tuple(names) for room, names in tomllib.loads(path.read_text(encoding="utf-8"))["doors"].items()}
+
+
+def closed(doors: Mapping[str, tuple[str, ...]]) -> Iterator[str]:
+    """Rooms without a door, and doors that are not there."""
+    yield from (f"the room {room} has no door" for room in (*packages(), "visualize") if not doors.get(room))
+    for room, names in doors.items():
+        for name in names:
+            module, _, what = name.partition(":")
+            if what not in definitions(module):
+                yield f"the door of {room}: there is no {name}"
+
+
+def role(module: str) -> str:
+    """The first paragraph of a module's docstring, in a line."""
+    return " ".join((ast.get_docstring(tree(module)) or "").partition("\n\n")[0].split())
+
+
+def rooms(doors: Mapping[str, tuple[str, ...]]) -> Iterator[str]:
+    """Each room with its role and its doors, floor by floor from the top; then what is in `visualize`."""
+    for name in packages():
+        yield f"- {floors()[name]}: `{name}`. {role(f'rai_missions.{name}')} Door: {door_words(doors[name])}."
+    text = role("visualize")
+    yield f"- `visualize`, a package of its own. {text} Door: {door_words(doors['visualize'])}."
+    for path in sorted((ROOT / "visualize").glob("*/__init__.py")):
+        yield f"- `visualize/{path.parent.name}`. {role(f'visualize.{path.parent.name}')}"
+
+
+def door_words(names: tuple[str, ...]) -> str:
+    """`Chart` in `engine/chart.py`."""
+    parts = (name.partition(":") for name in names)
+    return ", ".join(f"`{what}` in `{file_of(module)}`" for module, _, what in parts)
+
+
+def file_of(module: str) -> str:
+    """Its file, below `rai_missions` without that name."""
+    path = module.removeprefix("rai_missions.").replace(".", "/")
+    return f"{path}/__init__.py" if ROOT.joinpath(*module.split(".")).is_dir() else f"{path}.py"
+
+
+def root_modules() -> Iterator[str]:
+    """The modules of the root, each with its role."""
+    for path in sorted((ROOT / "rai_missions").glob("[!_]*.py")):
+        yield f"- `{path.stem}`. {role(f'rai_missions.{path.stem}')}"
 
 
 def picture(walk: Walk) -> Iterator[str]:
@@ -264,7 +308,7 @@ def changes_text(changes: tuple[Change, ...]) -> Iterator[str]:
         yield f"- **{change.what[0].upper()}{change.what[1:]}**: {files}. {change.note} Tests: {tests}."
 
 
-def page(walks: tuple[Walk, ...], changes: tuple[Change, ...]) -> str:
+def page(walks: tuple[Walk, ...], changes: tuple[Change, ...], doors: Mapping[str, tuple[str, ...]]) -> str:
     text = [
         "# Architecture",
         "",
@@ -274,9 +318,14 @@ def page(walks: tuple[Walk, ...], changes: tuple[Change, ...]) -> str:
         "",
         "## The rooms",
         "",
-        "Imports point down: a package imports what has a lower number. The modules of the root have the number 0.",
+        "Imports point down: a package imports what has a lower number. The modules of the root have the number 0. A",
+        "door is where to begin to read a room; its file imports what is behind it.",
         "",
-        *wrapped(rooms()),
+        *wrapped(rooms(doors)),
+        "",
+        "### The modules of the root",
+        "",
+        *wrapped(root_modules()),
         "",
         "## Where to change what",
         "",
@@ -295,13 +344,13 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--write", action="store_true", help="write the page")
     given = parser.parse_args()
-    walks, changes = read_walks(), read_changes()
-    if wrong := [*absent(changes), *(fault for walk in walks for fault in faults(walk))]:
+    walks, changes, doors = read_walks(), read_changes(), read_doors()
+    if wrong := [*closed(doors), *absent(changes), *(fault for walk in walks for fault in faults(walk))]:
         print(*wrong, sep="\n", file=sys.stderr)
         return 1
     if given.write:
-        PAGE.write_text(page(walks, changes), encoding="utf-8")
-    elif PAGE.read_text(encoding="utf-8") != page(walks, changes):
+        PAGE.write_text(page(walks, changes, doors), encoding="utf-8")
+    elif PAGE.read_text(encoding="utf-8") != page(walks, changes, doors):
         print("docs/architecture.md is not what scripts/walks.py writes; run it with --write", file=sys.stderr)
         return 1
     return 0

@@ -28,13 +28,23 @@ def test_every_walk_leads_down_through_functions_that_are_there(walks: ModuleTyp
 
 def test_the_page_is_what_the_code_makes_of_it(walks: ModuleType) -> None:
     written = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
-    assert written == walks.page(walks.read_walks(), walks.read_changes()), "run: python scripts/walks.py --write"
+    made = walks.page(walks.read_walks(), walks.read_changes(), walks.read_doors())
+    assert written == made, "run: python scripts/walks.py --write"
 
 
 def test_a_file_of_a_change_that_is_not_there_is_a_fault(walks: ModuleType) -> None:
     assert list(walks.absent(walks.read_changes())) == []
     change = walks.Change("a guard", ("rai_missions/guards/near.py", "rai_missions/guards/far.py"), (), "")
     assert list(walks.absent((change,))) == ["to change a guard: there is no rai_missions/guards/far.py"]
+
+
+def test_each_room_has_a_door_that_is_there(walks: ModuleType) -> None:
+    doors = dict(walks.read_doors())
+    assert list(walks.closed(doors)) == []
+    doors |= {"gate": (), "prove": ("rai_missions.prove:proof",)}
+    assert list(walks.closed(doors)) == [
+        "the room gate has no door", "the door of prove: there is no rai_missions.prove:proof",
+    ]  # fmt: skip
 
 
 CHART, RUNNER = "rai_missions.engine.chart:Chart.send", "rai_missions.runtime.runner:Runner"
