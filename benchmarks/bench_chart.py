@@ -35,7 +35,8 @@ TARGETS = {
     "levels": ("transitions", 20),
     "regions": ("transitions", 25),
 }
-EVENTS = {"flat": ("a", "b"), "guarded": ("a", "b"), "levels": ("a", "b"), "regions": ("a", "b")}
+EVENTS = ("a", "b")
+"""Of each case: there and back again."""
 
 
 def per_event_us(send: Send, events: tuple[str, ...], *, rounds: int = 5, least_s: float = 0.15) -> float:
@@ -299,7 +300,7 @@ def measured(peer: str, case: str) -> float | None:
     except (ImportError, NotImplementedError):
         return None
     least = 0.15 if peer != "LangGraph" else 0.1
-    return per_event_us(send, EVENTS[case], rounds=3, least_s=least)
+    return per_event_us(send, EVENTS, rounds=3, least_s=least)
 
 
 def in_turn(send: Send, events: tuple[str, ...]) -> Callable[[], object]:
@@ -313,7 +314,7 @@ def cell(us: float | None, own: float) -> str:
 
 
 def table() -> None:
-    own = {case: per_event_us(ours(case), EVENTS[case]) for case in CASES}
+    own = {case: per_event_us(ours(case), EVENTS) for case in CASES}
     print("CPU µs an event (times ours)")
     print(f"{'':22}" + "".join(f"{case:>17}" for case in CASES))
     print(f"{'rai_missions':22}" + "".join(f"{own[case]:10.2f}       " for case in CASES))
@@ -326,7 +327,7 @@ def table() -> None:
         figure(f"an event to a chart: {case}", us, "µs", peer=nearest and (nearest[1], nearest[0] or 0.0), most=MOST_US)
     for case in CASES:
         send = ours(case)
-        figure(f"an event to a chart: {case}, memory at its peak", peak_bytes(in_turn(send, EVENTS[case])), "bytes")
+        figure(f"an event to a chart: {case}, memory at its peak", peak_bytes(in_turn(send, EVENTS)), "bytes")
     for case, (peer, times) in TARGETS.items():
         theirs = peers[peer][case]
         if theirs is not None:

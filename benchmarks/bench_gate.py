@@ -53,7 +53,7 @@ def speak() -> None:
 
 
 def base(speaker: subprocess.Popen[bytes]) -> dict[str, list[float]]:
-    """Receive until anyone who commands has ended; how many seconds each command took."""
+    """Receive until all that command have ended; how many seconds each command took."""
     import rclpy
     from geometry_msgs.msg import Twist
 

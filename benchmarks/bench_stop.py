@@ -146,7 +146,7 @@ def in_process(folder: Path) -> list[float]:
 
 
 def floor() -> list[float]:
-    """What a thread needs to be reported anything, on this machine, at this load."""
+    """How long a thread takes to be woken, on this machine, at this load."""
     from rai_missions.connectors.local import LocalConnector
 
     spent = []

@@ -48,7 +48,7 @@ Script = Callable[["Scripted", list[BaseMessage], bool], "str | AIMessage"]
 
 
 class Scripted(DoubleModel):
-    """One script for both: anyone who asks offers options, or tools that act."""
+    """One script for both ways: one offers options, the other tools that act."""
 
     _script: Script = PrivateAttr()
     _random: Random = PrivateAttr()
@@ -84,8 +84,7 @@ class Scripted(DoubleModel):
         return any("Options:" in str(message.content) for message in messages)
 
 
-# -- the scripts: a wish, in the words of anyone who asks
-# -----------------------------------------------------------------
+# -- the scripts: a wish, in the words of what asks --------------------------------------------------------------------
 
 
 def wish(option: str, is_asked: bool) -> str | AIMessage:
@@ -181,7 +180,7 @@ def is_careful(model: Scripted, messages: list[BaseMessage], is_asked: bool) -> 
 
 
 def _next(last: str, reply: str) -> str:
-    """What a careful driver does after what was done last, and reported to it."""
+    """What a careful driver does after what was done last, and what came back."""
     if last in ("", "cross", "signal", "detour"):
         return "drive"
     if last in ("drive", "position"):
@@ -203,7 +202,7 @@ SCRIPTS: tuple[Script, ...] = (
 )  # fmt: skip
 
 ENDLESS = (calls_what_is_not_there, floods, hangs)
-"""Anyone who has no bound is cut off after `LONGEST_S`, which takes its time."""
+"""Scripts that the peer does not end: each is cut off after `LONGEST_S`, so fewer seeds are tried."""
 
 
 # -- the two ways ------------------------------------------------------------------------------------------------------

@@ -186,7 +186,7 @@ class Base:
 
 @contextlib.contextmanager
 def others(kind: str, *, is_apart: bool) -> Iterator[None]:
-    """Anyone who is measured, and anyone who loads the machine meanwhile."""
+    """The process that is measured, and those that load the machine meanwhile."""
     here = "benchmarks.stop_over_ros"
     started = [other(here, "mission" if kind == "gate" else kind)]
     if kind == "gate":

@@ -27,7 +27,7 @@ STATES = {
     "putting_back": "what is still held goes back",
     "done": "it is as wanted, by the camera",
 }
-"""States of the mission that are reported → in words."""
+"""States of the mission that are printed → in words."""
 
 
 def arrange(request: str, scene: str | None, seed: int, pictures: Path) -> int:

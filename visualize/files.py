@@ -95,7 +95,7 @@ def draw(mission: Mission, path: str | os.PathLike[str], steps: Iterable[Step] =
 
     Args:
         mission: The graph.
-        path: The file; its ending reports how it is drawn. `.html` is the review page.
+        path: The file; its ending decides how it is drawn. `.html` is the review page.
         steps: Of a run or a journal.
 
     Raises:

@@ -2,8 +2,8 @@
 """The door to Graphviz: a picture as DOT, and DOT as SVG or PNG.
 
 Rule: nothing else imports `graphviz`. The user's own `dot` is preferred; `graphviz-pure` serves where there is none. It
-draws a PNG itself, several times as fast as resvg, where it is known to have every character; it does not report those
-that it lacks, so resvg draws all others.
+draws a PNG itself, several times as fast as resvg, where it is known to have every character; it drops those that it
+lacks without a word, so resvg draws all others.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The frozen values that a picture is made of: what is drawn, before anyone reports how.
+"""The frozen values that a picture is made of: what is drawn, before it is known how.
 
 Rule: nothing here knows a format; every writer (DOT, Mermaid, table) reads these values and nothing else.
 """

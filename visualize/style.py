@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Colours, pens and fonts, and how wide a text is.
 
-Rule: nothing is reported by colour alone; a shape, a word or a pen's width reports it too. The colours are those of
+Rule: nothing is shown by colour alone; a shape, a word or a pen's width shows it too. The colours are those of
 Okabe and Ito (Color Universal Design, 2008), which readers with any common colour blindness can distinguish.
 """
 

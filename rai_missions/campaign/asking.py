@@ -161,7 +161,7 @@ class Usage(NamedTuple):
 
     @classmethod
     def of(cls, reply: CellReply) -> Usage:
-        """As the answer reports it."""
+        """As the answer has it."""
         usage = reply.answer.get("usage")
         found = usage if isinstance(usage, Mapping) else {}
         return cls(*(each if isinstance(each := found.get(name), int) else 0 for name in cls._fields))

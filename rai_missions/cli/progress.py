@@ -260,7 +260,7 @@ class Lines:
         return is_next or self._is_vain(effect)
 
     def _is_vain(self, effect: Effect) -> bool:
-        """It asks one who cannot answer in this run, which the head of the run reports once."""
+        """It asks one who cannot answer in this run, which the head of the run has once."""
         return isinstance(effect, Ask) and effect.question.asked in self._absent
 
     def _verdicts(self, step: Step, words: tuple[str, ...]) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One thing that is otherwise now, how much it matters to anyone who lets the mission run, and under which heading."""
+"""One thing that is otherwise now, how much it matters to those who let the mission run, and under which heading."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ TOPICS: Mapping[str, str] = {
     "rest": "All else",
     "words": "Words for readers",
 }
-"""What a change is about → its heading, in the order in which a reviewer is reported."""
+"""What a change is about → its heading, in the order in which a reviewer reads them."""
 CALMER: Mapping[str, str] = {
     "guard": "Guards",
     "limit": "Times and numbers that bound something",
@@ -54,7 +54,7 @@ class Change(NamedTuple):
     new_place: str | None = None
     """JSON pointer into the new mission; None for what is gone."""
     before: str = ""
-    """What it was, in words, where that is more than the sentence reports."""
+    """What it was, in words, where that is more than the sentence has."""
     after: str = ""
     severity: Severity = "other"
     """`safety`: it lets something happen that could not before, or drops something that protected, or may do so."""

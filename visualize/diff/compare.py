@@ -25,7 +25,7 @@ __all__ = ("changes",)
 
 
 def changes(old: Mission, new: Mission, own: Originals = AS_THEY_ARE) -> Iterator[Change]:
-    """Every change, in the order of the new mission; what was is reported in the old one's own words."""
+    """Every change, in the order of the new mission; what was is in the old one's own words."""
     before, after, used = Ways(old), Ways(new), uses(old, new)
     whole = FieldRef("", "", "mission", own=own)
     yield from fields(old, new, whole, ("version",))

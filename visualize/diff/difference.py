@@ -110,7 +110,7 @@ def _renames(names: Iterable[NameChange], old: Mission, new: Mission) -> Iterato
 def _known_outside(each: NameChange, old: Mission, new: Mission) -> str:
     """Who else knows a thing by its old name, in words; empty for no one.
 
-    A person reads an option's name next to its other words; anyone who else is asked goes by the name.
+    A person reads an option's name next to its other words; any other answerer goes by the name.
     """
     if each.sort == "option":
         question = new.state(each.where).question()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A difference as Markdown for a pull request's comment: the summary first, the rest folded away.
 
-Rule: what a mission reports is shown as it is and does nothing: no markup, no mention of a person, no link. A comment
+Rule: what a mission holds is shown as it is and does nothing: no markup, no mention of a person, no link. A comment
 that its host would refuse is cut, and states it.
 """
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where a mission can go by its transitions, as far as it matters to a reviewer: which ways lead to `succeeded`.
 
-Rule: guards are taken as if they could always hold. A way that is reported as new has a transition that was not there;
-a state that is reported as avoidable was on every such way before. A final at the top leads nowhere.
+Rule: guards are taken as if they could always hold. A way that counts as new has a transition that was not there;
+a state that counts as avoidable was on every such way before. A final at the top leads nowhere.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the page asks of its server: the mission, the stream, pictures, and orders.
 
-Rule: an order is carried as it came to anyone who carries it out; here only its size and its rate are judged.
+Rule: an order is passed on as it came to what carries it out; here only its size and its rate are judged.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ __all__ = ("CommandSink", "ReplyCallback", "application")
 PATIENCE_S = 1.5
 """How long an order's reply waits for the run to take it; a page waits for 2 s."""
 OLDEST_S = 5.0
-"""An order that was on its way for longer is not carried out: anyone who gave it has continued."""
+"""An order that was on its way for longer is not carried out: its author has continued meanwhile."""
 SENT_HEADER = "x-mission-sent"
 """When an order was given, by the clock that each message of the stream reports as `sent`."""
 ALWAYS = frozenset({"e_stop", "cancel"})
@@ -101,7 +101,7 @@ class Pages:
         mission: Whose run is shown.
         hub: Its viewers.
         desk: Who takes orders; None: the page may look and do nothing.
-        about: What the page reports about the run next to what happens: `run`, `journal`, `answers`, `played`.
+        about: What the page shows of the run next to what happens: `run`, `journal`, `answers`, `played`.
     """
 
     def __init__(self, mission: Mission, hub: Hub, desk: CommandSink | None, about: Json) -> None:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Who may come in: asked by the right name, from the page itself, and with the token where there is anything to see.
 
-Rule: what is not known to be ours is refused, and the refusal reports why. Nothing here trusts an address to be
+Rule: what is not known to be ours is refused, and the refusal has the reason. Nothing here trusts an address to be
 private. A client's role is that of its token, whatever it sends.
 """
 
@@ -30,7 +30,7 @@ TOKEN_HEADER = b"x-mission-token"
 ROLE = "rai_missions.role"
 """Where the door leaves a client's role in the scope of its request."""
 OPEN = frozenset({"/", "/live.js", "/live.css", "/microphone.js", "/favicon.ico"})
-"""What anybody on this machine may read: the page without anything of the mission."""
+"""What any client on this machine may read: the page without anything of the mission."""
 MAY_ASK = frozenset({"/talk", "/sound"})
 """Where a viewer may write: a question; what it may order there, its role decides."""
 HEADERS: Mapping[bytes, bytes] = {

@@ -57,7 +57,7 @@ class LivePage:
     def __init__(self, place: PageAddress | None = None) -> None:
         self.place = place or PageAddress()
         self.token, self.viewer_token = secrets.token_urlsafe(32), secrets.token_urlsafe(32)
-        """What everybody must show who orders anything, and what viewers must show."""
+        """What a client must show to order anything, and what a viewer must show."""
         self._tls = bool(self.place.certificate or self.place.key)
         _check(self.place)
         self._config_tls = _context(self.place) if self._tls else None
@@ -115,7 +115,7 @@ class LivePage:
             mission: Whose run it is.
             feed: Where its steps come from.
             desk: Who takes orders; None: the page only looks on.
-            about: What the page reports about the run: `run`, `journal`, `answers`, `played`.
+            about: What the page shows of the run: `run`, `journal`, `answers`, `played`.
             talk: Who takes what a person writes to the robot; None: the page shows talk and takes none.
             on_viewers: Called where a viewer has come or gone, on the server's thread; never waits.
         """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A connection that is cut off where no request comes: anyone who knocks and reports nothing holds no place for long.
+"""A connection that is cut off where no request comes: a client that sends nothing holds no place for long.
 
 Rule: a request that has begun is not hurried here: who sends it is asked for the token before its body is read, and
 `posts` bounds how long the body may take.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Why an option was not offered: what its guard reported about what was known when the question was asked.
+"""Why an option was not offered: what its guard was over what was known when the question was asked.
 
 Rule: a guard that needs more than the journal holds (how long something has been so, a predicate) is not guessed at.
 """
@@ -54,7 +54,7 @@ class Offers:
         self.active = (self.active - set(step.exited)) | set(step.entered)
 
     def withheld(self, question: Question) -> dict[str, str]:
-        """The options that were not offered whose guard can be reported → `false` or `unknown`."""
+        """The options that were not offered and whose guard can be evaluated → `false` or `unknown`."""
         offered = {offer.name for offer in question.options}
         verdicts = {
             name: test(self) for name, test in self._tests.get(question.owner, {}).items() if name not in offered

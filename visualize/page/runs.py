@@ -193,7 +193,7 @@ def _question(question: Question, index: int, gallery: Gallery) -> Json:
 
 
 def _answer(step: Step, index: int) -> Json:
-    """What was proposed, and what the rules reported about it."""
+    """What was proposed, and how the rules judged it."""
     described = describe(step)
     judged = described.verdicts or ((step.why,) if step.why else described.remarks)
     return {

@@ -2,7 +2,7 @@
 """A mission in the time that a reader has at first: what it is for, where a model is asked, and how it may end.
 
 Rule: each sentence follows from the mission by a rule; nothing is guessed, and every place that it names is in the
-chart. What is empty here, such as an end that nothing leads to, is reported as that.
+chart. What is empty here, such as an end that nothing leads to, is shown as that.
 """
 
 from __future__ import annotations

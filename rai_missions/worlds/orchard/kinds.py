@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The kinds of obstacles: whether they live, what moves them, what breaks them, and what they are mistaken for.
 
-Rule: nothing here reports what may be driven over. A limit is a force (N) between the tractor and the thing, and the
+Rule: nothing here decides what may be driven over. A limit is a force (N) between the tractor and the thing, and the
 judge of the physics measures it.
 """
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which obstacle lies in which alley, from the seed, and what the living ones do.
 
-Rule: nothing here reports what may be driven over; that is found out by driving (`crossing_judge.py`).
+Rule: nothing here decides what may be driven over; that is found out by driving (`crossing_judge.py`).
 """
 
 from __future__ import annotations

@@ -150,7 +150,7 @@ class Orchard(Simulation):
     def open(self, connector: Connector) -> None:
         """Put the tractor's topics, services and actions on a connector."""
         services = self._services
-        # The same two for anyone who has the types of Nav2.
+        # The same two for clients that have the types of Nav2.
         actions = (
             ("/navigate_to_pose", "nav2_msgs/action/NavigateToPose", self._home),
             (self._outbox.name("cross"), "nav2_msgs/action/DriveOnHeading", self._cross),
