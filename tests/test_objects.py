@@ -78,7 +78,6 @@ SHARED = {
     ("rai_missions/connectors/process/life.py", "process"): THIRD,
     ("rai_missions/cli/command.py", "action"): THIRD,
     ("rai_missions/cli/streams.py", "sys"): "streams that the caller has closed, put back at a command's end",
-    ("rai_missions/connectors/mqtt/connector.py", "timer"): THIRD,
     ("rai_missions/connectors/ros2/services.py", "response"): THIRD,
     ("rai_missions/connectors/ros2/messages.py", "message"): "a message of ROS, just made by its caller",
     ("rai_missions/trees/builder.py", "behaviour"): "made by the caller, who gives it away with all that it needs",

@@ -8,20 +8,27 @@ request, and no news to one who has received it.
 
 from __future__ import annotations
 
-import math
 import threading
 import time
 import uuid
-from collections import OrderedDict, defaultdict
+from collections import defaultdict
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from typing import Any
 
 from rai_missions.connectors.answers import ask, failure
 from rai_missions.connectors.connector import ActionServer, Answer, Close, ConnectorMode, Data, Message, Reply, Report
+from rai_missions.connectors.mqtt.calls import PendingCalls
 from rai_missions.connectors.mqtt.codec import decode, encode
 from rai_missions.connectors.mqtt.link import BrokerLink
 from rai_missions.connectors.mqtt.names import REQUEST, check_name, why_no_name
+from rai_missions.connectors.mqtt.properties import (
+    key_of,
+    late_s,
+    reply_properties,
+    reply_topic,
+    request_properties,
+)
 from rai_missions.connectors.stamps import ReadingDate, dated, stamp_of
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import cut, logger, shown
@@ -33,12 +40,6 @@ log = logger(__name__)
 OPTIONS = ("host", "port")
 NO_SUBSCRIBERS = 0x10
 """MQTT 5, 3.4.2.1: no matching subscribers."""
-MOST_ANSWERED = 256
-"""Calls whose answer came, and by which a second server of the same service is known."""
-EXPIRES_AT = "expires_at"
-"""The user property of a request that states until when its reply is awaited, in seconds since 1970."""
-LONGEST_EXPIRY_S = 0xFFFF_FFFF
-"""MQTT 5, 3.3.2.3.3: a number of four bytes."""
 GONE = "the MQTT broker is gone"
 
 
@@ -91,10 +92,8 @@ class MqttConnector:
         self._replies_to = ""
         self._listeners: defaultdict[str, dict[object, _Listener]] = defaultdict(dict)
         self._services: dict[str, tuple[str, Answer]] = {}
-        self._calls: dict[bytes, _Call] = {}
+        self._calls = PendingCalls()
         self._types: dict[tuple[ConnectorMode, str], str] = {}
-        self._answers: OrderedDict[bytes, str] = OrderedDict()
-        self._rivals: set[str] = set()
         self._unread: set[str] = set()
         self._denied: set[str] = set()
         self._why_unanswered = ""
@@ -124,7 +123,7 @@ class MqttConnector:
             self._types.clear()
         if self._link.is_open:
             self._link.close()
-            self._give_up("the connector was stopped")
+            self._calls.give_up("the connector was stopped")
 
     def listed(self, mode: ConnectorMode) -> Mapping[str, str]:
         """What this connector itself listens to, publishes on and serves: a broker does not report what others do."""
@@ -186,13 +185,8 @@ class MqttConnector:
             on_reply(Reply("unavailable", {}, self._why_unanswered))
             return
         key = uuid.uuid4().bytes
-        late = Reply("timed_out", {}, f"{service} has not answered within {timeout_s} s")
-        words = _properties(ResponseTopic=self._replies_to, CorrelationData=key, **_expiry(timeout_s))
-        timer = None if timeout_s is None else threading.Timer(timeout_s, lambda: self._end(key, late))
-        self._calls[key] = _Call(service, on_reply, timer)
-        if timer is not None:
-            timer.daemon = True
-            timer.start()
+        words = request_properties(key, self._replies_to, timeout_s)
+        self._calls.begin(key, service, on_reply, timeout_s)
         sent, end = None, Reply("unavailable", {}, GONE)
         try:
             sent = self._link.publish(
@@ -201,7 +195,7 @@ class MqttConnector:
         except ConnectorError as fault:
             end = Reply("failed", {}, str(fault))
         if sent is None or sent.rc:  # it never left
-            self._end(key, end)
+            self._calls.end(key, end)
 
     def serve(self, service: str, type_name: str, answer: Answer) -> Close:
         topic = f"{service}{REQUEST}"
@@ -263,7 +257,7 @@ class MqttConnector:
             return
         self._unread.discard(topic)
         if topic == self._replies_to:
-            self._answered(message, data)
+            self._calls.answered(key_of(message), self._reply(data))
         if (served := self._services.get(topic)) is not None:
             self._serve_one(*served, message, data)
         self._deliver(message, data)
@@ -276,7 +270,7 @@ class MqttConnector:
         if message.topic in self._services and not message.retain:
             self._send(message, {"why": why})
         if message.topic == self._replies_to:
-            self._answered(message, {"why": f"the reply cannot be read: {why}"})
+            self._calls.answered(key_of(message), Reply("failed", {}, f"the reply cannot be read: {why}"))
 
     def _deliver(self, message: Any, data: Data) -> None:
         """Pass a message on; one that the broker keeps, but for those who have received just that."""
@@ -300,9 +294,9 @@ class MqttConnector:
         if message.retain:
             log.warning("a request to %s that the broker keeps is of the past, and is not served", service)
             return
-        if (late_s := _late_s(message)) > 0:
+        if (late := late_s(message)) > 0:
             why = "this program hung, or the clocks of the two machines differ"
-            log.warning("a request to %s expired %.1f s ago, and is not served; %s", service, late_s, why)
+            log.warning("a request to %s expired %.1f s ago, and is not served; %s", service, late, why)
             return
         ask(answer, request, service).add_done_callback(lambda answered: self._send_answer(message, service, answered))
 
@@ -318,45 +312,29 @@ class MqttConnector:
 
     def _send(self, request: Any, answer: Data) -> None:
         """Answer a request, where its sender states where, and the way that it came is still there."""
-        to = getattr(request.properties, "ResponseTopic", "")
+        to = reply_topic(request)
         if to:
-            words = _properties(CorrelationData=getattr(request.properties, "CorrelationData", b""))
+            words = reply_properties(request)
             try:
                 self._link.publish(to, encode(answer), words)
             except ConnectorError as fault:
                 log.warning("%s", fault)
                 self._link.publish(to, encode({"why": str(fault)}), words)
 
-    def _answered(self, message: Any, answer: Data) -> None:
-        key = getattr(message.properties, "CorrelationData", b"")
-        call = self._calls.get(key)
-        if call is None:
-            self._second(self._answers.get(key, ""))
-            return
-        self._answers[key] = call.service
-        while len(self._answers) > MOST_ANSWERED:
-            self._answers.popitem(last=False)
-        is_good = isinstance(answer.get("data"), Mapping)
-        if is_good:
-            self._end(key, Reply("succeeded", answer["data"], age_s=self._date(answer["data"]).age_s))
-        else:
-            self._end(key, Reply("failed", {}, str(answer.get("why", ""))))
-
-    def _second(self, service: str) -> None:
-        """A second answer to one call: two serve it, perhaps two robots of one name."""
-        if service and service not in self._rivals:
-            self._rivals.add(service)
-            log.error(
-                "two servers answer %s: each request is carried out twice; give each robot its own names", service
-            )
+    def _reply(self, answer: Data) -> Reply:
+        """The reply that an answer is."""
+        data = answer.get("data")
+        if isinstance(data, Mapping):
+            return Reply("succeeded", data, age_s=self._date(data).age_s)
+        return Reply("failed", {}, str(answer.get("why", "")))
 
     def _taken(self, key: bytes, service: str, code: Any) -> None:
         """The broker has a request, or reports why it has not; it reports if no client listens to it."""
         if code.is_failure:
             why = f"the MQTT broker takes no request to {service} from us: {str(code).lower()}"
-            self._end(key, Reply("unavailable", {}, why))
+            self._calls.end(key, Reply("unavailable", {}, why))
         elif code.value == NO_SUBSCRIBERS:
-            self._end(key, Reply("unavailable", {}, f"no server offers {service}"))
+            self._calls.end(key, Reply("unavailable", {}, f"no server offers {service}"))
 
     def _published(self, topic: str, code: Any) -> None:
         if code.is_failure:
@@ -368,7 +346,7 @@ class MqttConnector:
         self._deny(denied)
         if topic == self._replies_to:
             self._why_unanswered = denied
-            self._give_up(denied)
+            self._calls.give_up(denied)
 
     def _deny(self, sentence: str) -> None:
         """Logged once: each connection asks for it again."""
@@ -377,21 +355,7 @@ class MqttConnector:
             log.warning("%s", sentence)
 
     def _lost(self, why: str) -> None:
-        self._give_up(f"{GONE}: {why}" if why else GONE)
-
-    def _give_up(self, why: str) -> None:
-        for key in tuple(self._calls):
-            self._end(key, Reply("unavailable", {}, why, may_have_arrived=True))
-
-    def _end(self, key: bytes, reply: Reply) -> None:
-        call = self._calls.pop(key, None)
-        if call is not None:
-            if call.timer is not None:
-                call.timer.cancel()
-            try:
-                call.answered(reply)
-            except Exception:
-                log.exception("who called %s failed", call.service)
+        self._calls.give_up(f"{GONE}: {why}" if why else GONE)
 
     def _unsubscribe(self, topic: str, key: object) -> None:
         with self._lock:
@@ -429,41 +393,3 @@ class _Listener:
     def __init__(self, on_message: Callable[[Message], None]) -> None:
         self.on_message = on_message
         self.last: int | None = None
-
-
-class _Call:
-    """A request that waits for its reply."""
-
-    def __init__(self, service: str, on_reply: Callable[[Reply], None], timer: threading.Timer | None) -> None:
-        self.service, self.answered, self.timer = service, on_reply, timer
-
-
-def _expiry(timeout_s: float | None) -> dict[str, Any]:
-    """Until when a request counts: afterwards no one awaits its reply.
-
-    The broker drops it then, in whole seconds: a device may come back much later. One that hung with its connection
-    open has it already, and looks at the time of day.
-    """
-    if timeout_s is None:
-        return {}
-    interval = math.ceil(min(max(timeout_s, 1), LONGEST_EXPIRY_S))
-    return {"MessageExpiryInterval": interval, "UserProperty": (EXPIRES_AT, f"{time.time() + timeout_s:.3f}")}
-
-
-def _late_s(request: Any) -> float:
-    """For how many seconds no one has awaited the reply to a request, by the time of day; negative before."""
-    words = dict(getattr(request.properties, "UserProperty", ()))
-    try:
-        return time.time() - float(words.get(EXPIRES_AT, "inf"))
-    except ValueError:
-        return -math.inf
-
-
-def _properties(**words: Any) -> Any:
-    from paho.mqtt.packettypes import PacketTypes
-    from paho.mqtt.properties import Properties
-
-    made = Properties(PacketTypes.PUBLISH)
-    for word, value in words.items():
-        setattr(made, word, value)
-    return made
