@@ -28,20 +28,16 @@ def geoms(kind: str, size: float, variant: str) -> str:
 
     Args:
         kind: Of the kinds of this file.
-        size: 1 is the usual size; what scales is the height of grass and bags, and the extent of a puddle.
+        size: 1 is the usual size; the geoms of grass scale in height, those of a puddle in extent.
         variant: One of the kind's variants.
     """
-    if kind == "hose":
-        return _hose()
-    if kind == "ladder":
-        return _ladder()
-    if kind == "cat":
-        return _cat()
-    if kind == "scarecrow":
-        return _scarecrow()
-    if kind == "fallen_fence":
-        return _fence()
-    return {"tall_grass": _grass, "plastic_bag": _bag, "puddle": _puddle}[kind](size, variant)
+    if kind == "tall_grass":
+        return _grass(size)
+    if kind == "plastic_bag":
+        return _bag(variant)
+    if kind == "puddle":
+        return _puddle(size, variant)
+    return {"hose": _hose, "ladder": _ladder, "cat": _cat, "scarecrow": _scarecrow, "fallen_fence": _fence}[kind]()
 
 
 def companion(kind: str, variant: str, name: str, place: str) -> str:
@@ -64,12 +60,12 @@ def meshes(rng: np.random.Generator) -> dict[str, Mesh]:
     return {"blades": _blades(rng), "bag": _film(rng), "cat": _curled(rng), "straw": _straw(rng)}
 
 
-def _grass(size: float, _variant: str) -> str:
+def _grass(size: float) -> str:
     return f"""<geom type="mesh" mesh="blades" material="straw" {GHOST}/>
  <geom type="box" pos="0 0 {0.4 * size}" size=".5 1.1 {0.4 * size}" {SENSED}/>"""
 
 
-def _bag(_size: float, variant: str) -> str:
+def _bag(variant: str) -> str:
     film = '<geom type="mesh" mesh="bag" rgba=".86 .9 .94 .92" ' + GHOST + "/>"
     if variant == "full":
         return f'{film}<geom type="ellipsoid" size=".29 .27 .2" mass="38" {SOLID}/>'

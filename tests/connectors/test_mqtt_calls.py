@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The calls that wait for a reply from the broker."""
+
+from __future__ import annotations
+
+import logging
+import threading
+
+import pytest
+
+from rai_missions.connectors.connector import Reply
+from rai_missions.connectors.mqtt.calls import MOST_ANSWERED, PendingCalls
+
+DONE = Reply("succeeded", {"done": True})
+
+
+def test_a_call_ends_once_whatever_else_comes() -> None:
+    calls, replies = PendingCalls(), list[Reply]()
+    calls.begin(b"1", "/horn", replies.append, None)
+
+    calls.answered(b"1", DONE)
+    calls.end(b"1", Reply("failed", {}))
+    calls.give_up("the broker is gone")
+
+    assert replies == [DONE]
+
+
+def test_no_timer_waits_for_a_call_that_has_ended() -> None:
+    calls, before = PendingCalls(), set(threading.enumerate())
+    calls.begin(b"1", "/horn", lambda reply: None, 3600)
+    timers = set(threading.enumerate()) - before
+    assert timers
+
+    calls.answered(b"1", DONE)
+
+    for timer in timers:
+        timer.join(5)
+    assert not any(timer.is_alive() for timer in timers)
+
+
+def test_a_second_server_is_known_by_one_of_the_last_answers(caplog: pytest.LogCaptureFixture) -> None:
+    calls = PendingCalls()
+    keys = [number.to_bytes(2, "big") for number in range(MOST_ANSWERED + 1)]
+    for key in keys:
+        calls.begin(key, "/horn", lambda reply: None, None)
+        calls.answered(key, DONE)
+
+    with caplog.at_level(logging.ERROR):
+        calls.answered(keys[0], DONE)  # forgotten
+        assert not caplog.messages
+        calls.answered(keys[1], DONE)
+        calls.answered(keys[2], DONE)  # logged once
+
+    assert [line.split(":")[0] for line in caplog.messages] == ["two servers answer /horn"]
