@@ -90,11 +90,11 @@ class Reply(NamedTuple):
 class Report(NamedTuple):
     """What an action's server reports about one goal.
 
-    `failed` is an action's `aborted`; `lost` reports that the server is gone or knows nothing of the goal. These two,
+    `failed` is an action's `aborted`; `lost` means that the server is gone or knows nothing of the goal. These two,
     `rejected`, `succeeded` and `canceled` are ends: one of them is reported, and no other report follows but two.
     `stray`: the goal is executing at some server although its end was reported; it is canceled there. `over`: a goal
     that was lost or stray is executing nowhere any more. `overdue`: a goal that was canceled does not end, and is not
-    waited for any longer. `cancel_rejected` reports that the server does not cancel the goal, `contested` that a second
+    waited for any longer. `cancel_rejected` means that the server does not cancel the goal, `contested` that a second
     server of the action was seen while the goal was under way.
     """
 

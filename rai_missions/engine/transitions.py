@@ -164,7 +164,7 @@ class Graph(CompiledMission):
     def _entering(
         self, kept: set[Node], into: tuple[Node, ...], index: int, recalled: Mapping[Node, Node]
     ) -> Iterable[Act]:  # fmt: skip
-        """The acts of entering one node; a final reports its parent's end, and a parallel state's with it."""
+        """The acts of entering one node; a final raises the end of its parent, and of a parallel state with it."""
         node = into[index]
         if node.is_each:
             yield self._content.enter_each(node, recalled.get(node))

@@ -55,7 +55,7 @@ def plain(value: Any, depth: int = 0) -> Any:
         return number(value) if is_number(value) else None
     if depth > DEEPEST:
         raise ConnectorError(
-            f"a message is nested deeper than {DEEPEST}; its sender sends something else than it reports"
+            f"a message is nested deeper than {DEEPEST}; its sender sends something else than its type declares"
         )
     if isinstance(value, Mapping):
         if not all(isinstance(name, str) for name in value):

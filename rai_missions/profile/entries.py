@@ -186,7 +186,7 @@ def given_to(template: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str,
     """What the robot is given, as values of its own: a template filled, or the mission's fields over the profile's.
 
     Raises:
-        ConnectorError: A field that the template wants is not given, or cannot be written as it reports.
+        ConnectorError: A field that the template wants is not given, or does not fit where the template has it.
     """
     if not any(True for _ in references(template)):
         return cast("dict[str, Any]", apart(_over(template, given)))

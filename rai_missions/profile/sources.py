@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where a key's values or an event come from: a topic, or a service that is asked again and again.
 
-Rule: a source reports how a message is understood; who listens, and when, is the performer's affair.
+Rule: a source defines how a message is understood; who listens, and when, is the performer's affair.
 """
 
 from __future__ import annotations
@@ -172,7 +172,7 @@ class EventSource(SourceFields):
             yield fault("during", "an event that is 'posted' is not listened for; drop 'during'")
 
     def fires(self, message: Mapping[str, Any]) -> Truth:
-        """What `when` reports about a message; true without one.
+        """Whether `when` is true of a message; true without one.
 
         Raises:
             ConnectorError: The message is not what the profile states it is.

@@ -44,7 +44,7 @@ class File:
             encoding: Of its messages: `cdr` or `json`.
             schema: The name of what they are.
             schema_encoding: Of `text`: `ros2msg` or `jsonschema`.
-            text: What reports how to read them.
+            text: The definition by which they are read.
             quality: Of a topic of ROS 2: what its publishers offer, as bags write it.
         """
         known = self._schemas.get((schema, text))

@@ -75,7 +75,7 @@ class RecordingQueue:
             return is_first
 
     def take(self) -> QueuedItem | None:
-        """The item that has waited longest; None where none waits, and the next `put` reports that one does again."""
+        """The item that has waited longest; None where none waits: the next `put` returns True then."""
         with self._lock:
             if not self._items:
                 self._is_asleep = True

@@ -100,7 +100,7 @@ class RunCommands:
         self._scheduler.mailbox.post_urgent(event)
 
     def drop_if(self, is_overdue: Callable[[Event], bool]) -> None:
-        """Drop each event that comes to be taken too late; where `is_overdue` reports one, its sender was answered."""
+        """Drop each event that is overdue when it is taken; `is_overdue` answers its sender."""
         self._scheduler.mailbox.drop_if(is_overdue)
 
     def call_soon(self, do: Callable[[], None]) -> None:

@@ -88,7 +88,7 @@ class Camera:
         )  # fmt: skip
 
     def check(self) -> None:
-        """Make sure that it can render, once; a `UsageError` reports what is missing."""
+        """Make sure that it can render, once; a `UsageError` names what is missing."""
         if not self._is_checked:
             self._renderers.do(self._renderers.check)
             self._is_checked = True

@@ -20,7 +20,7 @@ def open_connector(options: Mapping[str, Any], *, now: Callable[[], float] | Non
     """A connector to a broker, not started.
 
     Args:
-        options: What a profile's `connector` reports besides its `kind`: `host` (127.0.0.1), `port` (1883).
+        options: What a profile's `connector` has besides its `kind`: `host` (127.0.0.1), `port` (1883).
         now: Seconds on the run's clock; stamps what is received. Left out, the time of day.
 
     Raises:

@@ -72,7 +72,7 @@ class MqttConnector:
     A topic's name is MQTT's; requests of a service travel on `NAME/request`. Types are not checked: MQTT has none.
 
     Args:
-        options: What a profile's `connector` reports besides its `kind`: `host` (127.0.0.1), `port` (1883).
+        options: What a profile's `connector` has besides its `kind`: `host` (127.0.0.1), `port` (1883).
         now: Seconds on the run's clock; stamps what is received. Left out, the time of day.
 
     Raises:
@@ -329,7 +329,7 @@ class MqttConnector:
         return Reply("failed", {}, str(answer.get("why", "")))
 
     def _taken(self, key: bytes, service: str, code: Any) -> None:
-        """The broker has a request, or reports why it has not; it reports if no client listens to it."""
+        """The broker has a request, or refuses it with a reason; a code of it means that no client listens."""
         if code.is_failure:
             why = f"the MQTT broker takes no request to {service} from us: {str(code).lower()}"
             self._calls.end(key, Reply("unavailable", {}, why))

@@ -100,7 +100,7 @@ class BrokerLink:
             self.close()
             raise
         if not is_answered.wait(PATIENCE_S) or answers[0]:
-            why = answers[0] if answers else "it states nothing"
+            why = answers[0] if answers else "it gives no reason"
             self.close()
             raise ConnectorError(f"the MQTT broker at {self._host}:{self._port} does not let us in: {why}")
 

@@ -43,7 +43,7 @@ class Cursor:
         return self.symbols[self.at - 1]
 
     def skip(self, *kinds: str) -> bool:
-        """Moves past all symbols of some kinds from here, and reports whether there were any."""
+        """Move past all symbols of some kinds from here; whether there were any."""
         before = self.at
         while self.kind() in kinds:
             self.at += 1
