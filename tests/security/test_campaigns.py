@@ -24,7 +24,7 @@ from langchain_core.messages import AIMessage
 
 from rai_missions.answerers.model.chat import ThreadChat
 from rai_missions.answerers.test_models import ScriptedModel
-from rai_missions.campaign.asking import AskSettings, question_record
+from rai_missions.campaign.asking import CellAsker, question_record
 from rai_missions.campaign.cells import ORDERS, Cell
 from rai_missions.campaign.embodiments import embodied
 from rai_missions.campaign.load import LoadedCampaign, load_campaign
@@ -126,7 +126,7 @@ class MarkedCampaign:
         for order, reply in zip(ORDERS, self.replies(), strict=False):
             chat = ThreadChat(ScriptedModel([reply] * len(BODIES)))
             with CampaignModels(loaded.file, subject.robot, {}, open_chat=lambda _, chat=chat: chat) as models:
-                asking = AskSettings(loaded.file, models, {}, bodies, threading.Event())
+                asking = CellAsker(loaded.file, models, {}, bodies, threading.Event())
                 for body in BODIES:
                     cell = Cell("choosing", scene.scene, 0, MODEL, body, order)
                     record = asking.ask(f"{order} {body}", cell, asked, {})
