@@ -15,7 +15,7 @@ from rai_missions.engine.activities.ticker import TreeState
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.event import Event
 from rai_missions.states.final import Final
-from rai_missions.states.tree import Behaviour, Check, EternalGuard, Tree
+from rai_missions.states.tree import Behaviour, Check, EternalGuard, Tree, Wait
 from rai_missions.trees import PyTrees
 from rai_missions.trees.python_behaviour import LiveBehaviour
 from tests.trees.growing import is_true, seen
@@ -125,3 +125,21 @@ def test_the_end_of_another_behaviour_ends_none() -> None:
     assert made.send(Event("w", 1.0, {"status": "success"}, "behaviour", number + 1)).ignored
     assert made.send(Event("w", 1.0, {"status": "success"}, "result", number)).ignored
     assert made.send(Event("w", 1.0, {"status": "success"}, "behaviour", number)).outcome == "canceled"
+
+
+@pytest.mark.parametrize(
+    ("made", "sentence"),
+    [
+        (lambda: Tree(Worker("ok")), r"/factory: <.*> cannot be called; give a function that makes a behaviour of"),
+        (lambda: Tree(Worker("ok"), tick_s=0.2), r"/factory: <.*> cannot be called; give a function that makes"),
+        (lambda: Tree(Wait), r"/tree: a tree node is an object, not .*; write WaitLeaf\(…\)$"),
+        (lambda: Tree([Wait(1)]), r"/tree: a tree node is an object, not \["),
+        (
+            lambda: Tree(Wait(1), tick_s=0.2),
+            r"/tick_s: a tree of nodes is ticked when something changes; leave 'tick_s'",
+        ),
+    ],
+)
+def test_what_is_no_tree_and_makes_none_is_refused_with_what_would_be_right(made: Any, sentence: str) -> None:
+    with pytest.raises(DefinitionError, match=sentence):
+        made()

@@ -50,7 +50,11 @@ class Tree(State, word="tree"):
     def _of_a_factory(cls, words: Any) -> Any:
         """In Python `Tree(factory, tick_s=0.1)` runs one behaviour of the user's program."""
         factory = words.get("tree") if isinstance(words, Mapping) else None
-        if not callable(factory):
+        is_node = isinstance(factory, TreeNode) or (isinstance(factory, type) and issubclass(factory, TreeNode))
+        if is_node or factory is None or isinstance(factory, Mapping | list | tuple | str | int | float):
+            if isinstance(words, Mapping) and "tick_s" in words:
+                why = "a tree of nodes is ticked when something changes; leave 'tick_s' to a behaviour in Python"
+                raise fault("tick_s", why, at=("tick_s",))
             return words
         given = {"tick_s": words["tick_s"]} if "tick_s" in words else {}
         rest = {word: value for word, value in words.items() if word != "tick_s"}
