@@ -14,9 +14,11 @@ from rai_missions.node.command_server import CommandServer
 from rai_missions.node.managed_lifecycle import Finish
 from rai_missions.node.run_session import RunSession
 
-__all__ = ("LifecycleCallbacks",)
+__all__ = ("DEACTIVATION", "LifecycleCallbacks")
 
 INACTIVE = "the node is inactive; activate it first"
+DEACTIVATION = "operator (deactivate)"
+"""Who pauses a mission whose node is deactivated."""
 UNCONFIGURED = "the node is unconfigured; configure and activate it first"
 
 
@@ -83,13 +85,23 @@ class LifecycleCallbacks:
             self._commands.close(INACTIVE)
             finish("")
 
-        self._commands.settle(Command(word, "operator (deactivate)", role="operator"), end)
+        self._commands.settle(Command(word, DEACTIVATION, role="operator"), end)
 
-    def attend(self, session: RunSession) -> None:
-        """A run is about to begin; one whose node is not active by now is put to rest before it moves."""
-        if self._commands.closed:
-            self._is_to_resume = self._commands.closed == INACTIVE and session.mode != "ready"
-            (session.runner.pause if self._is_to_resume else session.runner.cancel)("operator (deactivate)")
+    def attend(self, session: RunSession) -> bool:
+        """A run is about to begin; one whose node is not active by now is put to rest before it moves.
+
+        Returns:
+            Whether it resumes in the pause of a node that was deactivated, which this one is to be as well.
+        """
+        mode, closed = session.mode, self._commands.closed
+        is_deactivated = mode == "paused" and session.runner.view.resumed_mode_by == DEACTIVATION
+        is_late = closed == INACTIVE and mode == "running"
+        self._is_to_resume = is_deactivated or is_late
+        if is_late:
+            session.runner.pause(DEACTIVATION)
+        elif closed and not (closed == INACTIVE and mode == "paused"):
+            session.runner.cancel(DEACTIVATION)
+        return is_deactivated and not closed
 
     def _remains(self, reply: CommandReply) -> bool:
         """Whether a mission is under way as it was, because it refused an order."""

@@ -153,8 +153,10 @@ class MissionNode:
     def attend(self, runner: Runner) -> RunSession:
         """Follow a run that is about to begin, by `RunSession.run`."""
         session = self._host.attend(runner)
-        self._acts.attend(session)
+        is_deactivated = self._acts.attend(session)
         self._commands.attend(session)
+        if is_deactivated:
+            self._lifecycle.change("deactivate")
         return session
 
     def conclude(self) -> None:

@@ -22,6 +22,7 @@ from rai_missions.journal import Header, Journal
 from rai_missions.mission.files import dump
 from rai_missions.node import MissionNode
 from rai_missions.node.command import WORDS, CommandReply, read_order
+from rai_missions.node.lifecycle_callbacks import DEACTIVATION
 from rai_missions.node.transport import Carrier
 from rai_missions.node.web_operator import ACTS, WebCommands
 from rai_missions.profile.conversation import ORDERS
@@ -91,6 +92,39 @@ def test_a_run_that_begins_once_its_node_was_deactivated_is_put_to_rest(
             client.await_status("it is paused", lifecycle="inactive", mode="paused")
             assert client.change("activate")
             client.await_status("it continues", lifecycle="active", mode="running")
+            assert client.call("cancel")["success"]
+        thread.join(30)
+        node.conclude()
+        client.await_status("it is canceled", outcome="canceled")
+    node.stop()
+
+
+@pytest.mark.parametrize("by", [DEACTIVATION, "Ann", "operator (~/pause)"])
+@pytest.mark.parametrize("labels", [(), ("deactivate",), ("deactivate", "cleanup")])
+def test_a_run_that_was_killed_in_a_pause_continues_by_who_paused_it(
+    connector: LocalConnector, tmp_path: Path, by: str, labels: tuple[str, ...]
+) -> None:
+    path, chart = tmp_path / "run.journal", Chart(mission(), CompiledTrees())
+    with Journal.create(path, Header(dump(mission()))) as journal:
+        journal.write(chart.start(), since=0.0)
+        journal.write(chart.send(Event("pause", 1.0, {"by": by}, "command")), since=0.0)
+    setting = RunConfig(mission(), journal=path, resume=path)
+    node = MissionNode(setting, "errand", managed=False, carrier=Carrier(connector, True, False))
+    node.run()
+    client = Client(connector, "/errand")
+    assert all(client.change(label) for label in labels), "before its run is prepared"
+    with prepare(node.joined(setting)) as prepared:
+        thread = threading.Thread(target=node.attend(prepared.runner).run)
+        thread.start()
+        if "cleanup" not in labels:
+            is_active = by != DEACTIVATION and not labels
+            client.await_status("it is paused", lifecycle="active" if is_active else "inactive", mode="paused")
+            assert client.change("activate") is not is_active
+            client.await_status("the node is active", lifecycle="active")
+            if by == DEACTIVATION:
+                client.await_status("it continues", mode="running")
+            else:
+                assert client.call("resume")["success"], "a person continues what a person has paused"
             assert client.call("cancel")["success"]
         thread.join(30)
         node.conclude()
