@@ -371,8 +371,8 @@ class ConversationalAgent:
 
     def _order_end(self, order: Order) -> OnOrderEnd:
         def on_end(result: OrderResult) -> None:
-            refused, kind = result
-            self._post(lambda: self._dialogue.on_order_end(OrderEnd(order.number, refused, self._now(), kind)))
+            end = OrderEnd(order.number, result.refused, self._now(), result.kind, result.name)
+            self._post(lambda: self._dialogue.on_order_end(end))
 
         return on_end
 

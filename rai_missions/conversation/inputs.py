@@ -6,11 +6,12 @@ Rule: the role is set by the door through which a sentence came. No text and no 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.engine.step import Refusal
 from rai_missions.event import Role
+from rai_missions.mission.start_fault import StartFault, StartFaultKind
 from rai_missions.planning.text.normalise import LONGEST
 
 __all__ = (
@@ -21,12 +22,14 @@ __all__ = (
 SpeechResult = Literal["whole", "cut", "failed"]
 """How a speech ended: every word came out; it was interrupted; the speaker did not speak it."""
 RefusalKind = Literal[
-    Refusal, "judged", "late", "start", "stopped", "second", "last", "unsafe", "closing", "no_run", "inactive"
-]
-"""Why an order was not carried out: what the engine refuses by its own kinds; an answer that was judged and does not
-count; an order that the run did not take in time; a start that the mission does not take; one to which a stop came, or
-that has another before it; no other run begins here, or none may, or the program ends; there is no run; the run's node
-is not active. Empty for any other."""
+    Refusal, StartFaultKind, "judged", "values", "late", "stopped", "second", "last", "unsafe", "locked", "closing",
+    "no_run", "inactive", "other",
+]  # fmt: skip
+"""Why an order was not carried out: what the engine refuses, and what a mission has against a start, by their kinds; an
+answer whose option is not possible any more, or whose values do not fit; an order that the run did not take in time;
+a start to which a stop came, or that has another before it; no other run begins here, or none may, as the robot may
+move or was stopped at once, or the program ends; there is no run; the run's node is not active; any other reason. Empty
+for an order that was carried out."""
 
 
 class OrderResult(NamedTuple):
@@ -36,11 +39,15 @@ class OrderResult(NamedTuple):
     """Why it was not, in a sentence; empty where it was."""
     kind: RefusalKind = ""
     """What kind of refusal that is; each language has a text for each kind."""
+    name: str = ""
+    """What it is about: of a start the argument; else empty."""
 
     @classmethod
-    def of_start(cls, refused: str) -> OrderResult:
+    def of_start(cls, faults: Sequence[StartFault]) -> OrderResult:
         """What became of an order to start, by what the mission has against it."""
-        return cls(refused, "start" if refused else "")
+        if not faults:
+            return cls()
+        return cls("; ".join(each.sentence for each in faults), faults[0].kind, faults[0].argument)
 
 
 class Utterance(NamedTuple):
@@ -140,6 +147,8 @@ class OrderEnd(NamedTuple):
     """Why it was not carried out, in a sentence; empty where it was."""
     at: float = 0.0
     kind: RefusalKind = ""
+    """As in its `OrderResult`."""
+    name: str = ""
     """As in its `OrderResult`."""
 
 

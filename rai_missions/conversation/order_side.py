@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import NamedTuple, TypeVar
 
 from rai_missions.conversation.confirmation import OrderConfirmation
-from rai_missions.conversation.inputs import LONGEST, OrderEnd, RefusalKind, SpeechEnd, Utterance
+from rai_missions.conversation.inputs import LONGEST, OrderEnd, SpeechEnd, Utterance
 from rai_missions.conversation.language import spoken
 from rai_missions.conversation.order_rules import (
     TWO_NEEDED,
@@ -392,16 +392,14 @@ class OrderSide:
         if why and judged.sense.name == "start":
             self._starting_until = float("-inf")
         if why and not judged.is_reported:
-            words = self._reason(end.kind, why)
+            words = self._reason(end, judged.sense, why)
             self._speaking.reply("refused", judged.utterance.unnumbered, order=judged.words, why=words.rstrip("."))
 
-    def _reason(self, kind: RefusalKind, why: str) -> str:
-        """A refusal in the language of the conversation; as it was given, where it is of no kind."""
-        if not kind:
-            return why
-        return self._talk.language.text(
-            f"refused_{kind}", why=why, state=state_of_run(self._talk.view, self._talk.language)
-        )
+    def _reason(self, end: OrderEnd, sense: Sense, why: str) -> str:
+        """A refusal in the language of the conversation."""
+        language, name = self._talk.language, spoken(end.name or sense.option)
+        state = state_of_run(self._talk.view, language)
+        return language.text(f"refused_{end.kind or 'other'}", why=why, state=state, name=name)
 
     def await_earlier(self, answers: Sequence[Order]) -> None:
         """Report, to every channel, if one of these answers is refused, which a program before this one gave out."""

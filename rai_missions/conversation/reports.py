@@ -13,10 +13,10 @@ from typing import Any, Literal, NamedTuple
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.outputs import Priority
 from rai_missions.conversation.question_words import question_text
-from rai_missions.conversation.run_words import control_text, goals_text
+from rai_missions.conversation.run_words import control_text, end_text, goals_text
 from rai_missions.conversation.settings import Settings
 from rai_missions.conversation.spoken_starts import SpokenStarts
-from rai_missions.conversation.values import about_words, result_sentences
+from rai_missions.conversation.values import result_sentences
 from rai_missions.conversation.view import StatusView
 
 __all__ = ("MissionReport", "Reports")
@@ -130,7 +130,7 @@ class Reports:
 
     def _end(self, view: StatusView) -> str:
         results = result_sentences(self._settings.results, view.keys, self._language)
-        why = "" if results and view.mode == "succeeded" else about_words(view.why)
+        why = "" if results and view.mode == "succeeded" else end_text(view, self._language)
         mode = self._language.word("modes", view.mode)
         text = self._language.text(
             "report_end_why" if why else "report_end", mission=spoken(view.mission), mode=mode, why=why

@@ -4,9 +4,10 @@
 from __future__ import annotations
 
 from rai_missions.conversation.language import Language, spoken
+from rai_missions.conversation.values import about_words
 from rai_missions.conversation.view import StatusView
 
-__all__ = ("control_text", "goals_text", "state_of_run")
+__all__ = ("control_text", "end_text", "goals_text", "state_of_run")
 
 
 def state_of_run(view: StatusView, language: Language) -> str:
@@ -25,6 +26,12 @@ def control_text(view: StatusView, language: Language) -> str:
         return language.text("held", holder=holder)
     wanted = [language.word("holders", each) for each in view.wanted if each != view.control]
     return language.text("waits_control", holder=holder, wanted=language.listed(wanted)) if wanted else ""
+
+
+def end_text(view: StatusView, language: Language) -> str:
+    """Why a run ended so: its author's sentence, else what kind of end it was; without a full stop."""
+    why = about_words(view.why)
+    return language.text(f"end_{view.end}", why=why, name=spoken(view.end_name)) if view.end else why
 
 
 def goals_text(view: StatusView, language: Language) -> str:

@@ -16,7 +16,7 @@ from rai_missions.conversation.mentions import count_sentence, mention_sentences
 from rai_missions.conversation.names import key_named
 from rai_missions.conversation.places import PlaceArea, place_named, place_sentence, place_words
 from rai_missions.conversation.question_words import question_text
-from rai_missions.conversation.run_words import control_text, goals_text
+from rai_missions.conversation.run_words import control_text, end_text, goals_text
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.values import (
@@ -148,7 +148,7 @@ class StateAnswers:
         return self.language.text("mode_state_about" if about else "mode_state", **values, about=about)
 
     def _ended(self, view: StatusView) -> str:
-        why = about_words(view.why)
+        why = end_text(view, self.language)
         values = {"mission": spoken(view.mission), "mode": self.language.word("modes", view.mode), "why": why}
         text = self.language.text("ended_why" if why else "ended", **values)
         return f"{text} {goals_text(view, self.language)}".rstrip()

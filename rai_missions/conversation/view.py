@@ -13,8 +13,11 @@ from rai_missions.engine.decision import Offer, Question
 from rai_missions.engine.modes import ALIVE
 from rai_missions.keys import Source, TypeName
 
-__all__ = ("BuildView", "HappeningKind", "KeyView", "MissionView", "ProgressView", "RunEvent", "StatusView")
+__all__ = ("BuildView", "EndKind", "HappeningKind", "KeyView", "MissionView", "ProgressView", "RunEvent", "StatusView")
 
+EndKind = Literal["", "reached", "canceled", "killed", "invariant", "cycle", "failed"]
+"""How a run ended: a final was reached, a person canceled it or gave the e-stop, an invariant was false, its rules went
+in a circle, what a state came to was handled by none. Empty: its author states why, or it is not known."""
 HappeningKind = Literal["entered", "event", "command", "answered", "control", "continued", "ended"]
 
 
@@ -111,7 +114,11 @@ class StatusView(NamedTuple):
     """It waits for the order to start, or is paused before its start; of one that is over: it never began."""
     outcome: str | None = None
     why: str = ""
-    """Why it ended so, in words."""
+    """Why it ended so, in words: its author's sentence, else the engine's, which is English."""
+    end: EndKind = ""
+    """The kind of its end, where `why` is the engine's sentence; each language has a text for each kind."""
+    end_name: str = ""
+    """Of the final or the invariant, of the state that was active, or of who ended it."""
     wanted: tuple[str, ...] = ()
     """Who must have control before what waits can begin; empty where nothing waits for control."""
     held_by: str = ""

@@ -10,9 +10,10 @@ from typing import Any
 from rai_missions.errors import DefinitionError, Fault, suggestion
 from rai_missions.keys import pose_slip, type_error
 from rai_missions.mission.mission import Mission
+from rai_missions.mission.start_fault import StartFault
 from rai_missions.states.compound import Each
 
-__all__ = ("accepted",)
+__all__ = ("accepted", "argument_faults")
 
 WRITTEN: Mapping[str, str] = {"list": '["a", "b"]', "object": '{"a": 1}', "pose": '{"x": 1.5, "y": 2}'}
 """Type that a shell takes for text unless it is quoted → a value of it, as JSON."""
@@ -29,12 +30,20 @@ def accepted(mission: Mission, arguments: Mapping[str, Any], *, whole: bool = Tr
     Raises:
         DefinitionError: One that it does not take, does not fit, or is missing.
     """
+    if faults := argument_faults(mission, arguments, whole=whole):
+        raise DefinitionError(
+            [Fault(f"/blackboard/{each.argument}", each.sentence) for each in faults], mission.name
+        )  # fmt: skip
+    return arguments
+
+
+def argument_faults(mission: Mission, arguments: Mapping[str, Any], *, whole: bool = True) -> list[StartFault]:
+    """What is wrong with the arguments of a run; the arguments are as for `accepted`."""
     needed = mission.needed_arguments()
     takes = {name: key for name, key in mission.blackboard.items() if key.source == "argument"}
     faults = [
-        Fault(
-            f"/blackboard/{name}",
-            f"the mission takes no argument '{name}'{suggestion(name, takes) or '; it takes none'}",
+        StartFault(
+            "foreign", f"the mission takes no argument '{name}'{suggestion(name, takes) or '; it takes none'}", name
         )
         for name in arguments
         if name not in takes
@@ -43,17 +52,11 @@ def accepted(mission: Mission, arguments: Mapping[str, Any], *, whole: bool = Tr
         example = WRITTEN.get(key.type) if isinstance(arguments.get(name), str) else None
         if name in arguments and (why := _unfit(mission, name, arguments[name], written=example is None)):
             remedy = f"; on a command line, quote JSON: --set '{name}={example}'" if example is not None else ""
-            faults.append(Fault(f"/blackboard/{name}", f"the argument does not fit: {why}{remedy}"))
+            faults.append(StartFault("unfit", f"the argument does not fit: {why}{remedy}", name))
         if whole and name not in arguments and name in needed:
-            faults.append(
-                Fault(
-                    f"/blackboard/{name}",
-                    f"the mission needs the argument '{name}'; on a command line, give --set {name}=…",
-                )
-            )
-    if faults:
-        raise DefinitionError(faults, mission.name)
-    return arguments
+            needs = f"the mission needs the argument '{name}'; on a command line, give --set {name}=…"
+            faults.append(StartFault("missing", needs, name))
+    return faults
 
 
 def _unfit(mission: Mission, name: str, value: Any, *, written: bool) -> str:

@@ -10,7 +10,7 @@ import math
 import threading
 import uuid
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from types import NoneType
 from typing import Any, TypeVar
@@ -24,10 +24,11 @@ from rai_missions.errors import ConnectorError, DefinitionError, UsageError
 from rai_missions.event import Event, Tick, is_e_stop
 from rai_missions.journal.buffer import BufferedWriter, JournalSink, raised_by
 from rai_missions.mission.mission import Mission, given_mission
+from rai_missions.mission.start_fault import StartFault
 from rai_missions.profile import Robot, actions_of, missing, terms
 from rai_missions.redaction import Redaction, cut, logger
 from rai_missions.replay.resume import Resumption
-from rai_missions.runtime.arguments import accepted
+from rai_missions.runtime.arguments import accepted, argument_faults
 from rai_missions.runtime.clock import Clock, ContinuedClock, WallClock
 from rai_missions.runtime.commands import RunCommands
 from rai_missions.runtime.effects import EffectExecutor
@@ -147,24 +148,23 @@ class Runner(RunCommands):
         """Another process began it."""
         return self._resumed is not None
 
-    def start(self, arguments: Mapping[str, Any]) -> str:
+    def start(self, arguments: Mapping[str, Any]) -> Sequence[StartFault]:
         """Begin a run that waits for this command, or was paused before its start; from any thread.
 
         Args:
             arguments: Those of the mission that are given now; they replace those that the run was made with.
 
         Returns:
-            Why it cannot be begun, or empty.
+            What the mission has against it; empty where it begins.
         """
         if not self.waits or not self._beginning.acquire(blocking=False):
-            return "the mission has been started already"
-        try:
-            given = accepted(self.mission, {**self._arguments, **arguments})
-        except DefinitionError as error:
+            return [StartFault("started", "the mission has been started already")]
+        given = {**self._arguments, **arguments}
+        if faults := argument_faults(self.mission, given):
             self._beginning.release()
-            return "; ".join(fault.sentence for fault in error.faults)
+            return faults
         self.call_soon(lambda: self._begin_with(given))
-        return ""
+        return []
 
     def _begin_with(self, arguments: Mapping[str, Any]) -> None:
         self._arguments, self._waits = arguments, False

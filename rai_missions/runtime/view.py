@@ -13,6 +13,7 @@ from rai_missions.engine import Chart, Snapshot
 from rai_missions.engine.activities.goal_ledger import OpenGoal
 from rai_missions.engine.decision import Question
 from rai_missions.engine.modes import Mode
+from rai_missions.engine.step import Cause
 from rai_missions.event import Event, Origin
 from rai_missions.guards.guard import Truth
 from rai_missions.keys import Blackboard
@@ -71,6 +72,16 @@ class RunView:
     def why(self) -> str:
         """The rule that decided the outcome."""
         return self._chart.why
+
+    @property
+    def cause(self) -> Cause:
+        """What has ended the mission, where no rule of it did."""
+        return self._chart.cause
+
+    @property
+    def false_invariant(self) -> str:
+        """The name of the invariant that has ended the mission; empty for any other end."""
+        return self._chart.false_invariant
 
     @property
     def questions(self) -> tuple[Question, ...]:

@@ -30,7 +30,7 @@ def test_a_start_that_is_ordered_while_the_next_run_is_prepared_begins_that_run(
     with prepare(config) as first:
         runs = TalkRuns(config, waits=True, is_reachable=lambda: True)
         runs.begin(first)
-        assert first.runner.start({}) == ""
+        assert not first.runner.start({})
         assert first.runner.run().outcome == "aborted"
         second = runs.following()
         assert second is not None

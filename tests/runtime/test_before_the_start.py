@@ -55,13 +55,13 @@ def test_a_stop_that_waits_with_the_reading_that_allows_the_start_comes_first() 
 
 
 def test_the_command_to_start_begins_it_as_well() -> None:
-    rig, seen = Rig(NEEDY), list[str]()
+    rig, seen = Rig(NEEDY), list[Any]()
     rig.stage.play({
         0.3: rig.runner.stop, LATE_S: lambda: rig.publish("/there", data=False),
         0.6: lambda: seen.append(rig.runner.start({})), LAST: rig.runner.cancel,
     })  # fmt: skip
     rig.run()
-    assert seen == [""] and moved(rig) == ["goal"]
+    assert seen == [[]] and moved(rig) == ["goal"]
 
 
 def test_what_waits_for_its_start_waits_for_it_after_a_stop_too() -> None:

@@ -12,8 +12,10 @@ from typing import Any, NamedTuple
 
 from rai_missions.conversation import Order
 from rai_missions.conversation.inputs import OrderResult, RefusalKind, by_words
+from rai_missions.engine.decision import Offer
 from rai_missions.engine.step import Step
 from rai_missions.event import Event
+from rai_missions.mission.option_parameters import parameter_faults
 from rai_missions.runtime.requests import GOOD_FOR_S, OVER, RunRequests, refusal_text
 from rai_missions.runtime.runner import Runner
 
@@ -31,11 +33,13 @@ class GivenOrder(NamedTuple):
 
     order: Order
     on_end: OnOrderEnd
+    offer: Offer | None = None
+    """The option that it answers with, where its question is open."""
 
     def take(self, step: Step) -> None:
         if not _is_kept(step):
             why = refusal_text(step)
-            self.on_end(OrderResult(why, refusal_kind(step) if why else ""))
+            self.on_end(OrderResult(why, refusal_kind(step, self._judged_kind) if why else ""))
 
     def judge(self, step: Step, *, is_open: bool) -> bool:
         """Look whether a step has judged it, once it was kept; its question may have been closed without that."""
@@ -43,12 +47,19 @@ class GivenOrder(NamedTuple):
         verdict = next((each for each in step.verdicts if each.number == question and each.kind != "fallback"), None)
         if verdict is None and is_open:
             return False
-        words = "" if verdict is None or verdict.note is None else step.notes[verdict.note]
-        is_accepted = verdict is not None and verdict.accepted
-        self.on_end(
-            OrderResult() if is_accepted else OrderResult(words, "judged") if words else OrderResult(CLOSED, "stale")
-        )
+        if verdict is not None and verdict.accepted:
+            self.on_end(OrderResult())
+        elif verdict is not None and verdict.kind == "proposal" and verdict.note is not None:
+            self.on_end(OrderResult(step.notes[verdict.note], self._judged_kind))
+        else:
+            self.on_end(OrderResult(CLOSED, "stale"))
         return True
+
+    @property
+    def _judged_kind(self) -> RefusalKind:
+        """What was judged and does not count: the values of the option, or the option."""
+        schema = self.offer.parameters if self.offer is not None else None
+        return "values" if schema and parameter_faults(schema, self.order.parameters) else "judged"
 
     def drop(self, waited_s: float) -> None:
         self.on_end(OrderResult(f"the run did not get to it within {GOOD_FOR_S:g} s, and it was dropped", "late"))
@@ -57,11 +68,11 @@ class GivenOrder(NamedTuple):
         self.on_end(OrderResult(OVER, "ended"))
 
 
-def refusal_kind(step: Step) -> RefusalKind:
-    """The kind of what a step refused."""
+def refusal_kind(step: Step, judged: RefusalKind = "judged") -> RefusalKind:
+    """The kind of what a step refused; that of an answer which was judged is given."""
     if step.event.kind != "proposal" or step.refusal:
-        return step.refusal
-    return "judged" if step.verdict is not None and step.verdict.kind == "proposal" else "stale"
+        return step.refusal or "other"
+    return judged if step.verdict is not None and step.verdict.kind == "proposal" else "stale"
 
 
 def _is_kept(step: Step) -> bool:
@@ -90,7 +101,7 @@ class RunOrders:
 
     def await_judgment(self, answer: Order, on_end: OnOrderEnd) -> None:
         """Report what becomes of one of the `earlier`; before the run is resumed."""
-        self._kept[answer.question] = GivenOrder(answer, on_end)
+        self._kept[answer.question] = self._given(answer, on_end)
 
     def perform(self, order: Order, on_end: OnOrderEnd) -> None:
         """Carry out an order; never waits."""
@@ -100,7 +111,7 @@ class RunOrders:
         if order.name == "start":
             on_end(OrderResult.of_start(self._runner.start(order.arguments)))
             return
-        request = self._requests.add(GivenOrder(order, on_end), lasts=order.name in LASTING)
+        request = self._requests.add(self._given(order, on_end), lasts=order.name in LASTING)
         if not request:
             return
         event = self._event(order, request)
@@ -108,6 +119,11 @@ class RunOrders:
             self._runner.post_urgent(event)
         else:
             self._runner.post(event)
+
+    def _given(self, order: Order, on_end: OnOrderEnd) -> GivenOrder:
+        asked = next((each for each in self._runner.view.questions if each.number == order.question), None)
+        options = asked.options if asked is not None else ()
+        return GivenOrder(order, on_end, next((offer for offer in options if offer.name == order.option), None))
 
     def step(self, step: Step) -> None:
         """Report what became of the order that a step took, and of an answer that was kept; on the run's thread."""

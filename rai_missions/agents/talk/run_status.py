@@ -6,13 +6,14 @@ Rule: it rests on what the engine and the robot report alone; the run's thread l
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from rai_missions.agents.talk.happenings import happenings
 from rai_missions.agents.talk.progress import progress
 from rai_missions.conversation import BuildView, KeyView, MissionView, RunEvent, StatusView
+from rai_missions.conversation.view import EndKind
 from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Step
 from rai_missions.keys import Blackboard, Key, stale_at
@@ -20,6 +21,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Runner
 from rai_missions.states import State
+from rai_missions.states.final import Final
 
 __all__ = ("RobotWords", "RunStatus", "arguments_of", "mission_view")
 
@@ -47,6 +49,9 @@ class ReportedRun:
     mode_by: str
     mode_since: float | None
     began: float | None = None
+    end: EndKind = ""
+    end_name: str = ""
+    """Of the end, as in `StatusView`."""
     # what changes without anything for a dialogue to do
     wanted: frozenset[str] = field(default=frozenset(), compare=False)
     board: Blackboard = field(default_factory=dict, compare=False)
@@ -98,12 +103,34 @@ class RunStatus:
         if status.mode != was.status.mode:
             by = str(event.data.get("by", "")) if event.kind == "command" else ""
             now = replace(now, mode_since=step.at, mode_by=by)
+        if step.outcome and was.status.outcome is None:
+            end, name = self._end(step, was)
+            now = replace(now, end=end, end_name=name)
         if step.entered:
             now = replace(now, entered={**was.entered, **dict.fromkeys(step.entered, step.at)})
         if happened := tuple(happenings(step, self._states, self._events)):
             now = replace(now, happened=(*was.happened, *happened)[-MOST_HAPPENINGS:])
         self._reported = now
         return now != was or bool(step.moves or step.outcome)
+
+    def _end(self, step: Step, was: ReportedRun) -> tuple[EndKind, str]:
+        """The kind of an end for which its author has no sentence, and whom or what it is about."""
+        run, status, event = self._runner.view, self._status, step.event
+        by = str(event.data.get("by", "")) or "command" if event.kind == "command" else ""
+        if self._mission.end_words(step.outcome, status.active):
+            return "", ""
+        if run.cause == "invariant":
+            return "invariant", run.false_invariant
+        if run.cause:
+            return "cycle", ""
+        if event.name == "kill" and by:
+            return "killed", by
+        if step.outcome == "canceled" and (who := was.mode_by if was.status.mode == "canceling" else by):
+            return "canceled", who
+        finals = (name for name in status.active if isinstance(self._mission.states.get(name), Final))
+        if final := next(finals, ""):
+            return "reached", final
+        return "failed", _named(status.active, self._acting)
 
     def status(self, status: Status) -> None:
         """The run's status has changed; it is seen with the step that follows."""
@@ -117,11 +144,12 @@ class RunStatus:
         status, board = reported.status, reported.board
         questions = tuple(each for each in reported.questions if each.asked == "operator")
         active = status.active
-        state = next((name for name in self._acting if name in active), active[-1] if active else "")
+        state = _named(active, self._acting)
         return StatusView(
             at=now, run=self._runner.run_id, is_resumed=self._runner.is_resumed, revision=status.revision,
             mode=status.mode, awaits_start=reported.waits, control=status.control, active=active, state=state,
-            outcome=status.outcome, why=mission.end_words(status.outcome, active) or status.why, began=reported.began,
+            outcome=status.outcome, why=mission.end_words(status.outcome, active) or status.why, end=reported.end,
+            end_name=reported.end_name, began=reported.began,
             wanted=tuple(sorted(reported.wanted)), held_by=status.held_by, held_since=status.held_since,
             open_goals=tuple(dict.fromkeys(goal.action for goal in status.open_goals)),
             questions=questions, confirm=frozenset(one for each in questions for one in _confirmed(mission, each)),
@@ -131,6 +159,11 @@ class RunStatus:
             progress=tuple(progress(mission, frozenset(active), board)), happened=reported.happened,
             since=reported.entered.get(state), mode_by=reported.mode_by, mode_since=reported.mode_since,
         )  # fmt: skip
+
+
+def _named(active: Sequence[str], acting: Sequence[str]) -> str:
+    """The state that is named for all that are active: the first that acts, else the innermost."""
+    return next((name for name in acting if name in active), active[-1] if active else "")
 
 
 def _abouts(states: Mapping[str, State], around: str = "") -> Iterator[tuple[str, str]]:

@@ -14,9 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from rai_missions.agents.mission import PreparedRun, RunConfig, prepare_next
-from rai_missions.conversation.inputs import OrderResult
-from rai_missions.errors import DefinitionError
-from rai_missions.runtime.arguments import accepted
+from rai_missions.conversation.inputs import OrderResult, RefusalKind
+from rai_missions.runtime.arguments import argument_faults
 from rai_missions.runtime.interrupts import BY
 
 if TYPE_CHECKING:
@@ -145,7 +144,7 @@ class TalkRuns:
         with self._lock:
             ordered, self._ordered = self._ordered, None
         if ordered is not None:
-            ordered.on_end(OrderResult.of_start(runner.start(ordered.order.arguments) if runner.waits else ""))
+            ordered.on_end(OrderResult.of_start(runner.start(ordered.order.arguments) if runner.waits else ()))
         elif not runner.waits:
             runner.stop(WITHDRAWN)
         if self._is_interrupted:
@@ -154,9 +153,8 @@ class TalkRuns:
 
     def close(self) -> None:
         """No other run follows."""
-        before = self._before
-        why_last = before.why_last if before is not None else ""
-        self._withdraw(OrderResult(why_last, "unsafe") if why_last else OrderResult("the program ends", "closing"))
+        why_last = _why_last(self._before) if self._before is not None else OrderResult()
+        self._withdraw(why_last if why_last.refused else OrderResult("the program ends", "closing"))
 
     def _withdraw(self, result: OrderResult) -> None:
         """No start is ordered any more."""
@@ -166,14 +164,16 @@ class TalkRuns:
             ordered.on_end(result)
 
     def _judged(self, before: PreparedRun, order: Order) -> OrderResult:
-        if why := before.why_last:
-            return OrderResult(why, "unsafe")
-        try:
-            accepted(before.mission, {**self._config.arguments, **order.arguments})
-        except DefinitionError as error:
-            return OrderResult.of_start("; ".join(fault.sentence for fault in error.faults))
-        return OrderResult()
+        given = {**self._config.arguments, **order.arguments}
+        why_last = _why_last(before)
+        return why_last if why_last.refused else OrderResult.of_start(argument_faults(before.mission, given))
 
     def _named(self, first: str | Path | None) -> Path | None:
         """The file of the next run: `errand-2.journal` after `errand.journal`."""
         return None if first is None else (path := Path(first)).with_stem(f"{path.stem}-{self._count}")
+
+
+def _why_last(before: PreparedRun) -> OrderResult:
+    """Why no other run may follow this one, which is over."""
+    kind: RefusalKind = "locked" if before.runner.view.holder == "nobody" else "unsafe"
+    return OrderResult(before.why_last, kind) if before.why_last else OrderResult()
