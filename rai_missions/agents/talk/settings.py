@@ -15,6 +15,7 @@ from rai_missions.conversation.settings import LatePolicy
 from rai_missions.conversation.spoken_starts import SpokenStart, arguments_spoken
 from rai_missions.conversation.start_phrases import StartPhrase, arguments_of
 from rai_missions.errors import Fault, UsageError, pointer, suggestion
+from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import ConversationPolicy, Robot
 
@@ -91,9 +92,14 @@ def _question_faults(policy: ConversationPolicy, mission: Mission | None) -> Ite
             yield compiled
     for place, path in _paths(policy):
         name, _, field = path.partition(".")
-        fields = (mission.blackboard[name].fields or {}) if mission and name in mission.blackboard else None
-        if field and fields is not None and field not in fields:
-            yield Fault(place, f"'{name}' has no field '{field}'{suggestion(field, fields)}")
+        key = mission.blackboard.get(name) if mission is not None else None
+        if key is not None and field and _lacks(key, field):
+            yield Fault(place, f"'{name}' has no field '{field}'{suggestion(field, key.fields or ())}")
+
+
+def _lacks(key: Key, field: str) -> bool:
+    """Whether a key has no such field; an object without `fields` may have any."""
+    return field not in key.fields if key.fields else key.type != "object"
 
 
 def _paths(policy: ConversationPolicy) -> Iterator[tuple[str, str]]:

@@ -63,6 +63,13 @@ def test_a_sentence_or_key_of_another_mission_is_no_fault() -> None:
     assert tuple(conversation_oddities(robot, mission)) == ()
 
 
+def test_an_object_without_fields_may_have_any_and_other_types_have_none() -> None:
+    robot = Robot(name="bench", conversation=ConversationPolicy(asked_with=["seen.text", "task.text"]))
+    free = {**MISSION, "blackboard": {**MISSION["blackboard"], "seen": {"type": "object", "source": "robot"}}}
+    faults = conversation_faults(robot, Mission.model_validate(free))
+    assert [each.place for each in faults] == ["/conversation/asked_with/1"]
+
+
 @pytest.mark.parametrize(
     ("words", "place"),
     [
