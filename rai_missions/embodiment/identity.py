@@ -62,7 +62,7 @@ class Identity:
         """What its documents have on a question: passages with their sources, or none.
 
         Args:
-            question: In free words, English.
+            question: In free words, in the language of the documents: English or German.
             count: Passages at most; 1 to 20.
 
         Raises:

@@ -101,7 +101,7 @@ class Library:
         """What the documents have on a question; raises as `open`.
 
         Args:
-            question: In free words, English.
+            question: In free words, in the language of the documents: English or German.
             count: Passages at most; 1 to 20.
         """
         question = question.encode("utf-8", "replace").decode()  # bytes of a shell that are no text come as surrogates

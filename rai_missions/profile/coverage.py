@@ -21,7 +21,7 @@ from rai_missions.profile.receivers import SENT_WORDS, receiver_of
 from rai_missions.states.decision import Option
 from rai_missions.states.effects import Raise
 
-__all__ = ("actions_of", "commanded_names", "missing")
+__all__ = ("actions_of", "commanded_names", "missing", "missing_tools")
 
 NOTHING: Mapping[str, str] = {}
 FITTING: Mapping[str, frozenset[str]] = {"integer": frozenset({"integer", "number"})}
@@ -45,6 +45,18 @@ def missing(mission: Mission, robot: Robot, *, remedies: Mapping[str, str] = NOT
         *_keys(mission, robot, remedies), *_events(index, robot), *_interfaces(index, robot, remedies),
         *_templates(index, robot), *_composed(index, robot), *_rules(index, robot),
     )  # fmt: skip
+
+
+def missing_tools(mission: Mission, robot: Robot) -> Iterator[Fault]:
+    """What a profile lacks for the tools that decisions name: a run has them decided without those tools."""
+    seen = set[str]()
+    for asked, place, _ in MissionIndex(mission).asked:
+        needs = {"identity" if name == "recall" else "tools": name for name in asked.tools}
+        for section, name in needs.items():
+            if not getattr(robot, section) and section not in seen:
+                seen.add(section)
+                why = f"missing, so the tool '{name}' is not there, which the mission names at {place}/tools"
+                yield Fault(pointer([section]), why)
 
 
 def actions_of(mission: Mission) -> frozenset[str]:

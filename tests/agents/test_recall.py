@@ -12,6 +12,7 @@ from langchain_core.messages import AIMessage
 
 from rai_missions.agents import run
 from rai_missions.answerers.test_models import ScriptedModel
+from rai_missions.cli.main import main
 from rai_missions.errors import DefinitionError
 from rai_missions.journal import read
 from rai_missions.testing import call
@@ -89,3 +90,19 @@ def test_an_identity_that_cannot_be_read_refuses_the_start(tmp_path: Path) -> No
         (tmp_path / "identity" / f"{number}.txt").write_text("x")
     with pytest.raises(DefinitionError, match="has 203 files; at most 200 are read"):
         run(mission, robot, model=ScriptedModel([CHOICE]))
+
+
+@pytest.mark.parametrize(("identity", "warned"), [(False, True), (True, False)])
+def test_check_warns_of_a_tool_that_a_run_lacks(
+    identity: bool, warned: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mission, robot = files(tmp_path, identity=identity)
+    assert main(["check", str(mission), "--robot", str(robot)]) == 0
+    why = "/identity: warning: missing, so the tool 'recall' is not there, which the mission names at"
+    assert (why in capsys.readouterr().err) == warned
+
+
+def test_check_warns_once_where_the_profile_has_no_tools(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    mission, robot = files(tmp_path, tools=["recall", "look", "get_topics_names_and_types"])
+    assert main(["check", str(mission), "--robot", str(robot)]) == 0
+    assert capsys.readouterr().err.count("/tools: warning: missing") == 1

@@ -33,7 +33,7 @@ def whoami(
         subcommand: build: bring the index up to date; ask: quote what the documents have on a question; show: what the
             folder holds, and what is missing to read or search it.
         folder: The identity folder.
-        question: For ask: in free words, English.
+        question: For ask: in free words, in the language of the documents.
         index: The index; without it: a file in the user's cache.
         count: For ask: passages at most, 1 to 20.
 
