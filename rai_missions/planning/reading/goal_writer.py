@@ -11,11 +11,12 @@ from dataclasses import replace
 from itertools import combinations, pairwise, product
 from typing import Any
 
+from rai_missions.planning.reading.meanings import Meanings
 from rai_missions.planning.reading.phrases import Clause, Phrase, Unread
 from rai_missions.planning.reading.picks import Picks
 from rai_missions.planning.reading.rows import row
 from rai_missions.planning.reading.things import Names, Things
-from rai_missions.planning.scene import CONTAINERS, DESK
+from rai_missions.planning.scene import DESK
 from rai_missions.planning.text.language_file import spoken
 
 __all__ = ("GoalWriter",)
@@ -26,6 +27,10 @@ STACKED = Phrase("things", "", types=frozenset({"cube"}), has_noun=True, is_many
 WHOLE = frozenset({0, None, -1})
 """The levels of a tower of three: bottom, middle and top."""
 LEAST_TOWER = 2
+BUILT = frozenset({"on", "stack", "under"})
+"""Kinds of clauses that build a tower."""
+PUT = frozenset({"in", "on", "to"})
+"""Kinds of clauses that put something onto or into another thing."""
 PLACED = frozenset({"on", "in", "at", "swapped", "shifted"})
 """Predicates of a thing that lies where it is put; next to another it may lie on the desk as well."""
 SIDES: Mapping[str, tuple[str, bool]] = {
@@ -33,8 +38,6 @@ SIDES: Mapping[str, tuple[str, bool]] = {
     "in_front_of": ("behind", True),
 }  # fmt: skip
 """Kinds of clauses → their predicate, and whether the things change their places in it."""
-SIDE_BY_SIDE = frozenset({*SIDES, "between", "next_to", "apart", "swap", "place_of"})
-"""Kinds of clauses after which `it` may be either thing."""
 
 
 class GoalWriter:
@@ -48,12 +51,7 @@ class GoalWriter:
     def __init__(self, things: Things, picks: Picks) -> None:
         self._things = things
         self._picks = picks
-        self._last: Clause | None = None
-        self._subjects: Names = ()
-        self._target: Names = ()
-        self._before: tuple[Names, Names] = (), ()
-        self._taken = set[str]()
-        """What the phrases so far are taken to mean."""
+        self._meant = Meanings(things, picks)
         self._moved_to = list[tuple[str, str]]()
         self._is_held = False
         self._empty = list[str]()
@@ -61,8 +59,6 @@ class GoalWriter:
         self._until_put = list[Plain]()
         """What holds of things until they are put elsewhere: what was taken from somewhere lies on the desk."""
         self._latest = list[Plain]()
-        self._found: Sequence[Plain] = ()
-        """The predicates of the clauses so far."""
 
     def predicates(self, clauses: Sequence[Clause]) -> list[Plain]:
         """The predicates as plain data, each once.
@@ -72,20 +68,18 @@ class GoalWriter:
         """
         found = list[Plain]()
         for clause in clauses:
-            self._before, self._found = (self._subjects, self._target), found
+            self._meant.begin(clause, found)
             self._check_held(clause)
             wanted = list(self._of(clause))
             put = {name for each in wanted if each.keys() & PLACED for name in _moved(each)}
             found = [each for each in found if each not in self._until_put or put.isdisjoint(_moved(each))] + wanted
             self._until_put += wanted if clause.kind == "off" else []
             self._latest = wanted
-            if clause.kind != "too":
-                self._last = clause
         if self._is_held:
-            raise self._ask("where", self._listed(self._subjects))
+            raise self._things.ask("where", self._things.listed(self._meant.subjects))
         found += self._exchanges()
         if self._empty and not found:
-            where = self._listed(tuple(self._empty[:1]))
+            where = self._things.listed(tuple(self._empty[:1]))
             raise Unread("absent", self._things.lexicon.text("nothing_there", where), refused=True)
         self._check_swapped(found)
         return [each for at, each in enumerate(found) if each not in found[:at]]
@@ -96,11 +90,11 @@ class GoalWriter:
             others = [*found[:at], *found[at + 1 :]]
             elsewhere = {name for other in others for name in _moved(other)}
             if moved := [name for name in each.get("swapped", ()) if name in elsewhere]:
-                text = self._things.lexicon.text("swapped_and_moved", self._listed(tuple(moved[:1])))
+                text = self._things.lexicon.text("swapped_and_moved", self._things.listed(tuple(moved[:1])))
                 raise Unread("order", text)
             placed = (other for other in others if other.keys() & PLACED)
             if "shifted" in each and any(each["shifted"] in _moved(other) for other in placed):
-                text = self._things.lexicon.text("shifted_and_moved", self._listed((each["shifted"],)))
+                text = self._things.lexicon.text("shifted_and_moved", self._things.listed((each["shifted"],)))
                 raise Unread("order", text)
 
     def _of(self, clause: Clause) -> Iterable[Plain]:
@@ -115,92 +109,17 @@ class GoalWriter:
         }  # fmt: skip
         return list(rules[clause.kind](clause))
 
-    # -- phrases -------------------------------------------------------------------------------------------------------
-
-    def _names(self, phrases: Sequence[Phrase], target: Phrase | None = None) -> Names:
-        found = [name for phrase in phrases for name in self._pick(phrase)]
-        if any(phrase.kind == "everything" for phrase in phrases) and target is not None:
-            found = [name for name in found if name not in self._things.alternatives(target)[0]]
-        self._subjects = tuple(dict.fromkeys(found))
-        return self._subjects
-
-    def _pick(self, phrase: Phrase) -> Names:
-        names = self._picks.one(self._alternatives(phrase))
-        if phrase.kind == "things" and not phrase.is_other:
-            self._taken |= set(names)
-        return names
-
-    def _one(self, phrase: Phrase | None) -> str:
-        names = self._emptied if phrase is not None and phrase.kind == "pronoun" and not phrase.is_many else ()
-        names = names or (self._pick(phrase) if phrase is not None else ())
-        if len(names) != 1:
-            raise self._ask("unread")
-        self._target = names
-        return names[0]
-
-    @property
-    def _emptied(self) -> Names:
-        """The container that `it` is, as where something goes: `empty the tray and put the carrot in it`."""
-        last, target = self._last, self._before[1]
-        is_empty = last is not None and last.kind == "off" and any(each.kind == "everything" for each in last.subjects)
-        return target if is_empty and len(target) == 1 and self._is_container(target[0]) else ()
-
-    def _alternatives(self, phrase: Phrase) -> Sequence[Names]:
-        if phrase.kind not in ("pronoun", "those", "there", "top"):
-            return self._things.alternatives(phrase, frozenset(self._taken))
-        subjects, target = self._before
-        if phrase.kind == "top":
-            return (self._top(subjects[-1:]),)
-        if phrase.kind == "those" or (phrase.kind == "pronoun" and self._is_taken(phrase)):
-            return (subjects,)
-        if phrase.kind == "there" and target:
-            return (target,)
-        if not subjects or phrase.kind == "there" or (len(subjects) > 1) != phrase.is_many:
-            raise self._ask("pronoun", phrase.text)
-        if self._last is not None and self._last.kind in SIDE_BY_SIDE and target and target != subjects:
-            return (subjects, target)
-        return (subjects,)
-
-    def _top(self, names: Names) -> Names:
-        """What is wanted at the top of the tower of a thing."""
-        above = {each["on"][1]: each["on"][0] for each in self._found if "on" in each}
-        while names and names[0] in above:
-            names = (above.pop(names[0]),)
-        return names
-
-    def _is_taken(self, pronoun: Phrase) -> bool:
-        """Whether what was taken from somewhere is meant, as many as they were: `take everything out and put it …`."""
-        last = self._last
-        if last is None or last.kind != "off":
-            return False
-        return pronoun.is_many or any(each.kind == "everything" for each in last.subjects)
-
-    def _pair(self, clause: Clause) -> tuple[Names, str]:
-        """The things of a clause, and the one that they are related to."""
-        return self._names(clause.subjects, clause.target), self._one(clause.target)
-
     def _check_alone(self, names: Names, text: str) -> None:
         """Of several things it is asked how they are meant."""
         if len(names) > 1:
-            raise self._ask(text, self._listed(names))
-
-    def _ask(self, text: str, *values: object) -> Unread:
-        reason = text if text in ("pronoun", "order") else "unread"
-        return Unread(reason, self._things.lexicon.text(text, *values))
-
-    def _listed(self, names: Names) -> str:
-        return self._things.lexicon.listed([f"'{spoken(name)}'" for name in names])
-
-    def _is_container(self, name: str) -> bool:
-        thing = self._things.scene.get(name)
-        return thing is not None and thing.type in CONTAINERS
+            raise self._things.ask(text, self._things.listed(names))
 
     # -- relations to another thing ------------------------------------------------------------------------------------
 
     def _on(self, clause: Clause) -> Iterable[Plain]:
         if clause.target is not None and clause.target.is_other and any(each.is_any for each in clause.subjects):
             return self._one_on_the_other(clause)
-        names, target = self._pair(clause)
+        names, target = self._meant.pair(clause)
         if self._things.scene.get(target) is not None and self._things.scene.thing(target).type == "tray":
             return _each("in", names, target)
         if target != DESK:
@@ -208,9 +127,9 @@ class GoalWriter:
         return _each("on", names, target)
 
     def _under(self, clause: Clause) -> Iterator[Plain]:
-        names, target = self._pair(clause)
-        if len(names) > 1 or target == DESK or self._is_container(names[0]):
-            raise self._ask("where", self._listed(names))
+        names, target = self._meant.pair(clause)
+        if len(names) > 1 or target == DESK or self._things.is_container(names[0]):
+            raise self._things.ask("where", self._things.listed(names))
         yield {"on": [target, names[0]]}
 
     def _one_on_the_other(self, clause: Clause) -> Iterable[Plain]:
@@ -218,41 +137,41 @@ class GoalWriter:
         (phrase,) = clause.subjects
         both = [names[0] for names in self._things.alternatives(phrase)]
         if len(both) != 2:
-            raise self._ask("order")
-        self._subjects = tuple(both)
+            raise self._things.ask("order")
+        self._meant.note(subjects=tuple(both))
         return [{"on": both[::-1]}]
 
     def _in(self, clause: Clause) -> Iterable[Plain]:
-        return _each("in", *self._pair(clause))
+        return _each("in", *self._meant.pair(clause))
 
     def _to(self, clause: Clause) -> Iterable[Plain]:
-        return self._put(*self._pair(clause))
+        return self._put(*self._meant.pair(clause))
 
     def _put(self, names: Names, target: str) -> Iterable[Plain]:
         """Onto the desk, or into a container."""
-        if target != DESK and not self._is_container(target):
-            raise self._ask("where", self._listed(names))
+        if target != DESK and not self._things.is_container(target):
+            raise self._things.ask("where", self._things.listed(names))
         return _each("on" if target == DESK else "in", names, target)
 
     def _off(self, clause: Clause) -> Iterable[Plain]:
         """`everything out of the bin`: of several things those that lie there are meant; they come onto the desk."""
-        place = self._one(clause.target)
+        place = self._meant.one(clause.target)
         if any(each.kind == "everything" for each in clause.subjects) and self._is_empty(place):
-            self._subjects = ()
+            self._meant.note(subjects=())
             self._empty.append(place)
             return ()  # `empty the tray, and put …`: that is so
         names = [
             name
             for phrase in clause.subjects
-            for name in self._picks.one(self._there(phrase, self._alternatives(phrase), place))
+            for name in self._picks.one(self._there(phrase, self._meant.alternatives(phrase), place))
         ]
-        self._subjects = tuple(dict.fromkeys(names))
-        return _each("on", self._subjects, DESK)
+        self._meant.note(subjects=tuple(dict.fromkeys(names)))
+        return _each("on", self._meant.subjects, DESK)
 
     def _is_empty(self, place: str) -> bool:
         """Whether it is a container in which nothing is seen."""
         others = (each.name for each in self._things.scene.things)
-        return self._is_container(place) and not any(self._things.lies_at(name, place) for name in others)
+        return self._things.is_container(place) and not any(self._things.lies_at(name, place) for name in others)
 
     def _there(self, phrase: Phrase, alternatives: Sequence[Names], place: str) -> Sequence[Names]:
         """Of what a phrase may mean the things that lie in or on another thing; a single thing may lie elsewhere.
@@ -273,19 +192,19 @@ class GoalWriter:
 
     def _unstack(self, clause: Clause) -> Iterable[Plain]:
         """`the cubes off each other`: those that lie on another of them come onto the desk."""
-        names = self._names(clause.subjects or (STACKED,))
+        names = self._meant.names(clause.subjects or (STACKED,))
         among = names if clause.subjects else [each.name for each in self._things.scene.things]
         lying = [name for name in names if any(self._lies_on(name, other) for other in among)]
         if not lying:
-            raise Unread("absent", self._things.lexicon.text("none_stacked", self._listed(names)), refused=True)
-        self._subjects = tuple(lying)
-        return _each("on", self._subjects, DESK)
+            raise Unread("absent", self._things.lexicon.text("none_stacked", self._things.listed(names)), refused=True)
+        self._meant.note(subjects=tuple(lying))
+        return _each("on", self._meant.subjects, DESK)
 
     def _lies_on(self, name: str, other: str) -> bool:
-        return not self._is_container(other) and self._things.lies_at(name, other)
+        return not self._things.is_container(other) and self._things.lies_at(name, other)
 
     def _beyond(self, clause: Clause) -> Iterator[Plain]:
-        names, target = self._pair(clause)
+        names, target = self._meant.pair(clause)
         if clause.gap_m is not None:
             self._check_alone(names, "order")
         gap = {} if clause.gap_m is None else {"gap_m": clause.gap_m}
@@ -294,29 +213,29 @@ class GoalWriter:
             yield {word: [target, name] if is_reversed else [name, target], **gap}
 
     def _between(self, clause: Clause) -> Iterator[Plain]:
-        names = self._names(clause.subjects)
-        self._target = tuple(name for phrase in clause.ends for name in self._pick(phrase))
-        if len(self._target) != 2:
-            raise self._ask("too_many", self._listed(self._target))
+        names = self._meant.names(clause.subjects)
+        self._meant.note(target=tuple(name for phrase in clause.ends for name in self._meant.take(phrase)))
+        if len(self._meant.target) != 2:
+            raise self._things.ask("too_many", self._things.listed(self._meant.target))
         self._check_alone(names, "order")
-        yield {"between": [*names, *self._target]}
+        yield {"between": [*names, *self._meant.target]}
 
     def _shift(self, clause: Clause) -> Iterator[Plain]:
         """From where it is seen; what stays is shifted by nothing."""
-        yield from ({"shifted": name, "dx": clause.x, "dy": clause.y} for name in self._names(clause.subjects))
+        yield from ({"shifted": name, "dx": clause.x, "dy": clause.y} for name in self._meant.names(clause.subjects))
 
     def _next_to(self, clause: Clause) -> Iterator[Plain]:
-        names, target = self._pair(clause)
+        names, target = self._meant.pair(clause)
         yield from ({"next_to": [name, target]} for name in names)
 
     def _apart(self, clause: Clause) -> Iterator[Plain]:
-        names = self._names(clause.subjects)
-        targets = self._picks.one(self._alternatives(clause.target)) if clause.target is not None else ()
-        self._target = targets if len(targets) == 1 else ()
+        names = self._meant.names(clause.subjects)
+        targets = self._meant.of(clause.target) if clause.target is not None else ()
+        self._meant.note(target=targets if len(targets) == 1 else ())
         yield from ({"apart": list(pair)} for pair in product(names, targets))
 
     def _place_of(self, clause: Clause) -> Iterable[Plain]:
-        names, target = self._pair(clause)
+        names, target = self._meant.pair(clause)
         self._check_alone(names, "where")
         self._moved_to.append((names[0], target))
         return ()
@@ -326,32 +245,32 @@ class GoalWriter:
         while pending:
             one, other = pending.pop(0)
             if (other, one) not in pending:
-                raise self._ask("where", self._listed((other,)))
+                raise self._things.ask("where", self._things.listed((other,)))
             pending.remove((other, one))
             yield {"swapped": [one, other]}
 
     def _at(self, clause: Clause) -> Iterator[Plain]:
-        names = self._names(clause.subjects)
+        names = self._meant.names(clause.subjects)
         self._check_alone(names, "where")
         yield {"at": names[0], "x": clause.x, "y": clause.y}
 
     # -- things among themselves ---------------------------------------------------------------------------------------
 
     def _several(self, phrases: Sequence[Phrase]) -> Names:
-        return self._at_least_two(self._names(phrases))
+        return self._at_least_two(self._meant.names(phrases))
 
     def _in_turn(self, phrases: Sequence[Phrase]) -> Names:
         """The things of a tower or a row, each named once: in `the cubes, red first` the second phrase is an order."""
-        each = [self._names([phrase]) for phrase in phrases]
+        each = [self._meant.names([phrase]) for phrase in phrases]
         names = tuple(name for names in each for name in names)
-        self._subjects = tuple(dict.fromkeys(names))
-        if len(names) > len(self._subjects):
-            raise self._ask("order")
+        self._meant.note(subjects=tuple(dict.fromkeys(names)))
+        if len(names) > len(self._meant.subjects):
+            raise self._things.ask("order")
         return self._at_least_two(names)
 
     def _at_least_two(self, names: Names) -> Names:
         if len(names) < 2:
-            raise self._ask("too_few", self._listed(names))
+            raise self._things.ask("too_few", self._things.listed(names))
         return names
 
     def _stack(self, clause: Clause) -> Iterator[Plain]:
@@ -359,11 +278,11 @@ class GoalWriter:
         if not clause.levels:
             names = self._in_turn(_stackable(clause.subjects) or (STACKED,))
         else:
-            members = self._names(_stackable(clause.subjects)) if clause.subjects else ()
-            placed = [(self._one(_stackable([phrase])[0]), level) for phrase, level in clause.levels]
+            members = self._meant.names(_stackable(clause.subjects)) if clause.subjects else ()
+            placed = [(self._meant.one(_stackable([phrase])[0]), level) for phrase, level in clause.levels]
             names = self._by_level(members or self._members(placed), placed)
         names = self._at_least_two((base, *(name for name in names if name != base)))[1:]
-        yield {"in" if self._is_container(base) else "on": [names[0], base]}
+        yield {"in" if self._things.is_container(base) else "on": [names[0], base]}
         yield from ({"on": [above, below]} for below, above in pairwise(names))
 
     def _tower_each(self, clause: Clause) -> Iterator[Plain]:
@@ -371,7 +290,7 @@ class GoalWriter:
         names = self._in_turn(_stackable(clause.subjects) or (STACKED,))
         height, left = divmod(len(names), clause.count)
         if left or height < LEAST_TOWER:
-            raise self._ask("order")
+            raise self._things.ask("order")
         for at in range(0, len(names), height):
             yield {"on": [names[at], DESK]}
             yield from ({"on": [above, below]} for below, above in pairwise(names[at : at + height]))
@@ -379,12 +298,11 @@ class GoalWriter:
     def _base(self, clause: Clause) -> str:
         """What a tower stands on: what is given, the container that its things were just put into, or the desk."""
         if clause.target is not None:
-            return self._one(clause.target)
-        was_put = self._last is not None and self._last.kind in ("in", "on", "to")
+            return self._meant.one(clause.target)
         is_of_those = any(each.kind == "pronoun" for each in clause.subjects)
-        if was_put and is_of_those and len(self._target) == 1 and self._is_container(self._target[0]):
+        if self._meant.last_kind in PUT and is_of_those and self._meant.container:
             self._until_put += self._latest
-            return self._target[0]
+            return self._meant.container
         return DESK
 
     def _members(self, placed: Sequence[tuple[str, int | None]]) -> Names:
@@ -397,7 +315,7 @@ class GoalWriter:
         if len(placed) > 1 and from_below == [*range(len(placed) - 1), -1]:
             return named
         if len(placed) > 1 and from_below != list(range(len(placed))) and set(named) != set(every):
-            raise self._ask("order")
+            raise self._things.ask("order")
         return every if len(placed) == 1 else named
 
     def _by_level(self, members: Names, placed: Sequence[tuple[str, int | None]]) -> Names:
@@ -409,11 +327,11 @@ class GoalWriter:
         for name, level in placed:
             if level is not None:
                 if not -1 <= level < len(slots) or slots[level] is not None:
-                    raise self._ask("order")
+                    raise self._things.ask("order")
                 slots[level] = name
         left = [at for at, name in enumerate(slots) if name is None]
         if len(set(named)) < len(named) or (middle and left != [1]):
-            raise self._ask("order")
+            raise self._things.ask("order")
         for at, name in zip(left, middle + free, strict=True):
             slots[at] = name
         return tuple(name for name in slots if name is not None)
@@ -421,8 +339,8 @@ class GoalWriter:
     def _swap(self, clause: Clause) -> Iterator[Plain]:
         names = self._several(clause.subjects)
         if len(names) > 2:
-            raise self._ask("too_many", self._listed(names))
-        self._target = ()
+            raise self._things.ask("too_many", self._things.listed(names))
+        self._meant.note(target=())
         yield {"swapped": list(names)}
 
     def _group(self, clause: Clause) -> Iterator[Plain]:
@@ -430,9 +348,9 @@ class GoalWriter:
 
     def _spread(self, clause: Clause) -> Iterator[Plain]:
         """Each thing from every other; of several groups those of one from those of another: `fruit and vegetables`."""
-        groups = [self._names([phrase]) for phrase in clause.subjects]
+        groups = [self._meant.names([phrase]) for phrase in clause.subjects]
         names = self._at_least_two(tuple(dict.fromkeys(name for group in groups for name in group)))
-        self._subjects = names
+        self._meant.note(subjects=names)
         if len(groups) < 2 or all(len(group) == 1 for group in groups):
             yield {"apart": list(names)}
             return
@@ -447,11 +365,11 @@ class GoalWriter:
         yield from row([self._things.scene.thing(name) for name in self._in_turn(clause.subjects)])
 
     def _in_order(self, clause: Clause) -> Iterator[Plain]:
-        each = [self._names([phrase]) for phrase in clause.subjects]
-        whole = set(self._picks.one(self._alternatives(clause.target))) if clause.target is not None else None
+        each = [self._meant.names([phrase]) for phrase in clause.subjects]
+        whole = set(self._meant.of(clause.target)) if clause.target is not None else None
         names = [one for names in each for one in names]
         if any(len(names) != 1 for names in each) or (whole is not None and whole != set(names)):
-            raise self._ask("order")
+            raise self._things.ask("order")
         yield from ({"left_of": list(pair)} for pair in pairwise(names))
 
     def _by(self, clause: Clause) -> Iterator[Plain]:
@@ -459,7 +377,7 @@ class GoalWriter:
         for name in self._several(clause.subjects):
             groups.setdefault(getattr(self._things.scene.thing(name), clause.by), []).append(name)
         if max(map(len, groups.values())) < 2:
-            raise self._ask("order")
+            raise self._things.ask("order")
         yield from ({"grouped": names} for names in groups.values() if len(names) > 1)
         for one, other in combinations(groups.values(), 2):
             yield from ({"apart": list(pair)} for pair in product(one, other))
@@ -467,29 +385,27 @@ class GoalWriter:
     # -- clauses that lean on another ----------------------------------------------------------------------------------
 
     def _held(self, clause: Clause) -> Iterable[Plain]:
-        self._names(clause.subjects)
+        self._meant.names(clause.subjects)
         self._is_held = True
         return ()
 
     def _check_held(self, clause: Clause) -> None:
         """What is picked up must be what is put: `take the red cube and put it …`."""
         if self._is_held and not any(each.kind in ("pronoun", "those") for each in clause.subjects):
-            raise self._ask("where", self._listed(self._subjects))
+            raise self._things.ask("where", self._things.listed(self._meant.subjects))
         self._is_held = False
 
     def _too(self, clause: Clause) -> Iterable[Plain]:
-        is_there = clause.target is not None and self._last is not None and self._last.kind == "off"
-        emptied = is_there and len(self._target) == 1 and self._is_container(self._target[0])
-        names = self._names(clause.subjects)
-        is_put = self._last is not None and self._last.kind in ("in", "to", "on")
-        is_built = self._last is not None and self._last.kind in ("on", "stack", "under")
-        if clause.target is not None and is_built and not any(map(self._is_container, self._target)):
+        kind, is_there = self._meant.last_kind, clause.target is not None
+        is_emptied = is_there and kind == "off" and bool(self._meant.container)
+        names, target = self._meant.names(clause.subjects), self._meant.target
+        if is_there and kind in BUILT and not any(map(self._things.is_container, target)):
             self._check_alone(names, "order")
-            (top,) = self._top(self._before[0][-1:])
+            (top,) = self._meant.tower_top
             return _each("on", names, top)  # `red on blue, and green on it`
-        if not (is_put or emptied) or len(self._target) != 1:
-            raise self._ask("where", self._listed(names))
-        return self._put(names, self._target[0])
+        if not (kind in PUT or is_emptied) or len(target) != 1:
+            raise self._things.ask("where", self._things.listed(names))
+        return self._put(names, target[0])
 
 
 def _each(word: str, names: Names, target: str) -> list[Plain]:

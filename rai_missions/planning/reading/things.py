@@ -62,6 +62,20 @@ class Things:
             return False
         return covers(other, thing)
 
+    def is_container(self, name: str) -> bool:
+        """Whether it is a thing of the scene that others are put into."""
+        thing = self.scene.get(name)
+        return thing is not None and thing.type in CONTAINERS
+
+    def listed(self, names: Iterable[str]) -> str:
+        """Things in a sentence, as they are spoken of."""
+        return self.lexicon.listed([f"'{spoken(name)}'" for name in names])
+
+    def ask(self, text: str, *values: object) -> Unread:
+        """What asks back, in the words of the request's language."""
+        reason = text if text in ("pronoun", "order") else "unread"
+        return Unread(reason, self.lexicon.text(text, *values))
+
     def _of_one(self, phrase: Phrase, taken: frozenset[str]) -> tuple[Names, ...]:
         if phrase.kind == "tower":
             if not (tops := self._tops()):
@@ -232,12 +246,9 @@ class Things:
         return frozenset(names)
 
     def _absent(self, phrase: Phrase) -> Unread:
-        seen = [f"'{spoken(each.name)}'" for each in self.scene.things]
-        listed = self.lexicon.listed(seen)
-        text = self.lexicon.text("absent" if seen else "nothing_seen", f"'{phrase.text}'", listed)
+        seen = [each.name for each in self.scene.things]
+        text = self.lexicon.text("absent" if seen else "nothing_seen", f"'{phrase.text}'", self.listed(seen))
         return Unread("absent", text, refused=True)
 
     def _which(self, phrase: Phrase, matching: Sequence[Thing]) -> str:
-        return self.lexicon.text(
-            "many", f"'{phrase.text}'", self.lexicon.listed([f"'{spoken(each.name)}'" for each in matching])
-        )
+        return self.lexicon.text("many", f"'{phrase.text}'", self.listed(each.name for each in matching))
