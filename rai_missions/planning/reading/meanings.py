@@ -131,7 +131,8 @@ class Meanings:
             return (target,)
         if not subjects or phrase.kind == "there" or (len(subjects) > 1) != phrase.is_many:
             raise self._things.ask("pronoun", phrase.text)
-        if self.last_kind in SIDE_BY_SIDE and target and target != subjects:
+        may_be_target = len(target) > 1 if phrase.is_many else len(target) == 1
+        if self.last_kind in SIDE_BY_SIDE and may_be_target and target != subjects:
             return (subjects, target)
         return (subjects,)
 
