@@ -401,8 +401,9 @@ class GoalWriter:
         names, target = self._meant.names(clause.subjects), self._meant.target
         if is_there and kind in BUILT and not any(map(self._things.is_container, target)):
             self._check_alone(names, "order")
-            (top,) = self._meant.tower_top
-            return _each("on", names, top)  # `red on blue, and green on it`
+            if len(top := self._meant.tower_top) != 1:
+                raise self._things.ask("where", self._things.listed(names))
+            return _each("on", names, top[0])  # `red on blue, and green on it`
         if not (kind in PUT or is_emptied) or len(target) != 1:
             raise self._things.ask("where", self._things.listed(names))
         return self._put(names, target[0])

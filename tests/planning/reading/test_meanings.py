@@ -44,6 +44,7 @@ def test_after_two_things_side_by_side_it_may_be_either() -> None:
     [
         "put it in the tray", "put the tomato there", "swap the carrot and the tomato and put it in the tray",
         "put the carrot in the tray and put them in the bin",
+        "build a tower with red at the bottom, yellow in the middle and green on top and put the tomato there",
     ],
 )  # fmt: skip
 def test_what_leans_on_nothing_that_was_said_is_asked_back(request_: str) -> None:
