@@ -76,6 +76,7 @@ class OrderLists:
             return self._first_named_last(words[len(opening) :], view)
         if is_order(whole) and not any(map(self._grammar.open_texts, whole)):
             cuts = [each for each in cuts if each.is_marked or 1 < each.end < len(words) - 1]
+        words, cuts = self._on_the_way(words, cuts)
         reading = _Reading(self, words, cuts, view, is_whole=is_order(whole))
         end = next((each.end for each in cuts if each.begin == len(words)), len(words))
         if len(parts := reading.parts(end)) > 1 or (parts and end < len(words)):
@@ -87,6 +88,14 @@ class OrderLists:
             if all(map(is_order, first)) and first and (is_fault(whole) or self._speaks_of_it(rest, whole)):
                 return tuple(sense._replace(rest=" ".join(rest)) for sense in _together(first))
         return ()
+
+    def _on_the_way(self, words: list[str], cuts: list[Cut]) -> tuple[list[str], list[Cut]]:
+        """The words without `on your way` at their end, which puts the last part before the one ahead of it."""
+        end = next((at for at in range(1, len(words)) if self._language.on_the_way.fits(words[at:])), len(words))
+        last = next((each for each in reversed(cuts) if each.is_marked and each.begin < end), None)
+        if last is None or end == len(words):
+            return words, cuts
+        return words[:end], [each._replace(is_reversing=True) if each == last else each for each in cuts]
 
     def _first_named_last(self, words: Sequence[str], view: StatusView) -> tuple[Sense, ...]:
         """The list of `before you go to the kitchen find the cup`, of the words behind its opening."""

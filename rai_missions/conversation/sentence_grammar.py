@@ -119,12 +119,13 @@ class SentenceGrammar:
         return word in self.language.data["reasoning"]
 
     def begins_a_start(self, words: Sequence[str]) -> bool:
-        """Whether the words begin with a phrase of the robot's own that starts a mission."""
-        return self._phrases.begin(words)
+        """Whether the words begin with a phrase of the robot's own that starts a mission, `go` ahead of it or not."""
+        going = self.language.data["going"]
+        return self._phrases.begin(words) or (words[0] in going and self._phrases.begin(words[1:]))
 
     def begins_an_order(self, words: Sequence[str]) -> bool:
         """Whether the words begin with a phrase of an order."""
-        return self._phrases.begin(words) or any(each.begin(words) for each in self.language.orders.values())
+        return self.begins_a_start(words) or any(each.begin(words) for each in self.language.orders.values())
 
     def start_in(self, words: Sequence[str], view: StatusView) -> Sense | None:
         """The start that the words are by a phrase of the robot's own; None where there is none, or several."""
