@@ -43,7 +43,7 @@ class Cursor:
         return self.symbols[self.at - 1]
 
     def skip(self, *kinds: str) -> bool:
-        """Move past all symbols of some kinds from here; whether there were any."""
+        """Moves past all symbols of some kinds from here, and reports whether there were any."""
         before = self.at
         while self.kind() in kinds:
             self.at += 1
@@ -151,7 +151,7 @@ def _single(cursor: Cursor) -> Phrase | None:
         return with_limits(cursor, Phrase("everything", cursor.take().text, is_many=True, is_all=True))
     if kind == "there":
         return Phrase("there", cursor.take().text)
-    if kind == "the" and cursor.kind(1) in PREDICATES:  # `leg das in den Eimer`
+    if kind == "the" and cursor.value() != "the" and cursor.kind(1) in PREDICATES:  # `leg das in den Eimer`
         symbol = cursor.take()
         return Phrase("pronoun", symbol.text, is_many=symbol.value == "many")
     if kind == "pronoun" and cursor.kind(1) not in ("noun", "colour", "generic"):

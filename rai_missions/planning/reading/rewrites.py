@@ -75,7 +75,7 @@ def _off_towers(found: Sequence[Symbol]) -> list[Symbol]:
     kept = list[Symbol]()
     for symbol in found:
         is_off = kept[-1:] and (kept[-1].kind, kept[-1].value) == ("relation", "off")
-        is_off_the = [(each.kind, each.value) for each in kept[-2:]] == [("relation", "off"), ("the", "the")]
+        is_off_the = [each.kind for each in kept[-2:]] == ["relation", "the"] and kept[-2].value == "off"
         kept.append(symbol._replace(kind="tower") if symbol.kind == "stack" and (is_off or is_off_the) else symbol)
     return kept
 
