@@ -51,6 +51,7 @@ SAME: Mapping[str, tuple[str, ...]] = {
     "a tower with green at the bottom, then red, then blue": (
         "green on the very bottom, then red, blue on top", "stack the cubes in this order: green, red, blue",
         "build the cubes into a tower with green at the bottom, red above it and blue on top",
+        "Würfel stapeln, unten grün, dann rot",
         "Turm: unten grün, da drauf rot, ganz oben blau", "ganz unten grün, darauf rot, dann blau",
     ),
     "stack the cubes": (

@@ -42,6 +42,13 @@ def test_what_is_read_of_a_request_is_offered_and_a_yes_means_it(text: str) -> N
     assert found.goal is not None or read_answer("yes", offered, FLAT)["goal"] == offered[0]
 
 
+def test_a_list_is_offered_as_a_whole_next_to_a_part_that_is_not_read() -> None:
+    found = reading_of("put the apple and the carrot in the bin. no cubes", FLAT)
+    assert [each.written()["all"] for each in found.candidates] == [
+        [{"in": ["apple", "bin"]}, {"in": ["carrot", "bin"]}]
+    ]
+
+
 @pytest.mark.parametrize("text", TURNING)
 def test_without_a_word_that_turns_a_request_nothing_is_offered(text: str) -> None:
     found = reading_of(text, FLAT)
