@@ -375,6 +375,8 @@ def check_event(given: object, taker: str) -> None:
     check_given(given.name, str, "the name of an event", "text")
     check_seconds(given.at, f"the time of '{given.name}'")
     check_given(given.data, Mapping, "the data of an event", "a mapping of fields to values")
+    if given.kind == "write" and "stamp" in given.data:
+        check_seconds(given.data["stamp"], f"the stamp of '{given.name}'")
     check_given(given.kind, str, "the kind of an event", "text")
     check_given(given.number, int, "the number of an event", "a whole number")
 

@@ -25,6 +25,7 @@ from rai_missions.engine.modes import Mode
 from rai_missions.engine.nodes import Written
 from rai_missions.engine.program import Named
 from rai_missions.engine.robot_facts import RobotFacts, check_facts
+from rai_missions.engine.short_way import BEFORE
 from rai_missions.engine.snapshot import Snapshot
 from rai_missions.engine.state import copied
 from rai_missions.engine.step import Cause, Step
@@ -44,8 +45,6 @@ __all__ = ("NOT_STARTED", "Chart", "Named", "Snapshot")
 
 _new = tuple.__new__
 NO_WRITES: Written | None = ()
-BEFORE = -inf
-"""Ahead of every time."""
 
 
 class Chart:

@@ -28,10 +28,13 @@ from rai_missions.engine.timing import next_instant
 from rai_missions.event import Event
 from rai_missions.guards.guard import Truth
 from rai_missions.keys import Stamped, type_error
+from rai_missions.validation_errors import check_event
 
-__all__ = ("leapt", "reading", "step", "value")
+__all__ = ("BEFORE", "leapt", "reading", "step", "value")
 
 _new = tuple.__new__
+BEFORE = -inf
+"""Ahead of every time."""
 
 
 def reading(program: Program, state: RunState, event: Event) -> Step:
@@ -40,11 +43,13 @@ def reading(program: Program, state: RunState, event: Event) -> Step:
     listening, board = state.listening, state.board
     watched = listening if type(listening) is WatchedNames else None
     trees, names = (watched.trees, watched.names) if watched is not None else ((), listening)
-    key, now = program.keys.get(name), at if at > state.at else state.at
+    key, now, stamp = program.keys.get(name), at if at > state.at else state.at, data.get("stamp", at)
+    if stamp.__class__ is not float or not BEFORE < stamp <= now:
+        check_event(event, "a chart")
+        stamp = min(float(stamp), now)
     if key is None or name in names or "*" in names:
         return make_step(program, state, event)
     given, entry = data.get("value"), board.get(name)
-    stamp = min(float(data["stamp"]), now) if "stamp" in data else float(at)
     if type_error(key, given) or (entry is not None and entry.at > stamp):
         return make_step(program, state, event)
     looking: RunningTree | None = None

@@ -235,4 +235,4 @@ def _stamp(message: Message, now: float) -> float:
     """
     if message.age_s is not None and math.isfinite(message.age_s):
         return now - max(0.0, message.age_s)
-    return min(message.at, now) if math.isfinite(message.at) else now
+    return min(float(message.at), now) if math.isfinite(message.at) else now

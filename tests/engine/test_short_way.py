@@ -38,6 +38,30 @@ def test_what_is_no_time_is_refused_on_either_way_and_changes_nothing(at: Any, k
     assert made.snapshot() == before
 
 
+@pytest.mark.parametrize("is_quick", [True, False])
+@pytest.mark.parametrize("is_watched", [True, False])
+@pytest.mark.parametrize("stamp", [True, Decimal(1), "1", None, inf, -inf, nan, [1.0]])
+def test_a_reading_whose_stamp_is_no_time_is_refused_and_changes_nothing(
+    stamp: Any, is_watched: bool, is_quick: bool
+) -> None:
+    waits = [transition(to="b", when=OK)] if is_watched else [transition("go", "b")]
+    made = chart({"a": {"transitions": waits}, "b": {}}, blackboard=KEYS)
+    made.send(Event("ok", 1.0, {"value": False}, "write"))
+    if not is_quick:
+        made.send(Event("pause", 1.0, kind="command"))
+    before = made.snapshot()
+    with pytest.raises(UsageError, match="the stamp of 'ok' takes"):
+        made.send(Event("ok", 2.0, {"value": True, "stamp": stamp}, "write"))
+    assert made.snapshot() == before
+
+
+@pytest.mark.parametrize(("stamp", "counts"), [(3, 3.0), (Later(1.5), 1.5), (2.5, 2.5), (9.0, 4.0), (-5, -5.0)])
+def test_a_reading_counts_from_its_stamp_and_never_from_the_future(stamp: Any, counts: float) -> None:
+    made = chart({"a": {"transitions": [transition("go", "b")]}, "b": {}}, blackboard=KEYS)
+    made.send(Event("ok", 4.0, {"value": True, "stamp": stamp}, "write"))
+    assert made.view.board["ok"] == (True, counts)
+
+
 @pytest.mark.parametrize("at", [3, 3.0, Later(3.0), 2**60])
 def test_any_number_is_a_time(at: Any) -> None:
     made = chart({"a": {"transitions": [transition("go", "b")]}, "b": {}}, blackboard=KEYS)
