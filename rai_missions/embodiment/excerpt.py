@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from rai_missions.embodiment.key_terms import key_terms, spellings
@@ -23,8 +24,8 @@ class Excerpt(NamedTuple):
 
     text: str
     """With `…` where something was left out."""
-    terms: int
-    """How many of the question's terms it has."""
+    score: int
+    """Of its best sentence: 2 for each term of the question that is in it, 1 for one in another form."""
 
 
 def excerpt(text: str, question: str, longest: int = LONGEST) -> Excerpt:
@@ -38,9 +39,9 @@ def excerpt(text: str, question: str, longest: int = LONGEST) -> Excerpt:
     each = [sentence for sentence in SENTENCE.split(text.strip()) if sentence]
     if not each:
         return Excerpt("", 0)
-    stems = [[_stem(word) for word in spellings(term)] for term in key_terms(question)]
-    counts = [_count(sentence, stems) for sentence in each]
-    first = last = counts.index(max(counts))
+    terms = [spellings(term) for term in key_terms(question)]
+    scores = [_score(sentence, terms) for sentence in each]
+    first = last = scores.index(max(scores))
     while last + 1 < len(each) and len(" ".join(each[first : last + 2])) <= longest:
         last += 1
     while first and len(" ".join(each[first - 1 : last + 1])) <= longest:
@@ -48,13 +49,14 @@ def excerpt(text: str, question: str, longest: int = LONGEST) -> Excerpt:
     shown = " ".join(each[first : last + 1])
     is_cut = len(shown) > longest or last + 1 < len(each)
     begin, end = "… " if first else "", " …" if is_cut else ""
-    return Excerpt(f"{begin}{shown[:longest].rstrip()}{end}", max(counts))
+    return Excerpt(f"{begin}{shown[:longest].rstrip()}{end}", max(scores))
 
 
-def _count(sentence: str, stems: list[list[str]]) -> int:
-    """How many of the terms a sentence has."""
-    words = [word.casefold() for word in WORD.findall(sentence)]
-    return sum(any(word.startswith(stem) for word in words for stem in forms) for forms in stems)
+def _score(sentence: str, terms: Sequence[Sequence[str]]) -> int:
+    """The score of a sentence, by the spellings of each term."""
+    words = frozenset(word.casefold() for word in WORD.findall(sentence))
+    exact = sum(any(form.casefold() in words for form in forms) for forms in terms)
+    return exact + sum(any(word.startswith(_stem(form)) for word in words for form in forms) for forms in terms)
 
 
 def _stem(word: str) -> str:

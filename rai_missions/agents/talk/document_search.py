@@ -49,6 +49,6 @@ class DocumentSearch:
             log.warning("the robot's documents cannot be looked up: %s", why)
             return FoundQuotes(request.number, failed=why)
         parts = [(each.source, *excerpt(each.text, request.text)) for each in found.passages]
-        most = max((terms for _, _, terms in parts), default=0)
+        most = max((score for _, _, score in parts), default=0)
         best = [part for part in parts if part[2] == most] if most else parts[:1]
         return FoundQuotes(request.number, tuple(DocumentQuote(source, text) for source, text, _ in best))
