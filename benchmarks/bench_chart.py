@@ -348,9 +348,13 @@ def big(count: int) -> Json:
     }
     states["end"] = {"final": "aborted"}
     return {
-        "format": 1, "name": "big", "events": {"a": {}, "b": {}, "stop": {}}, "initial": "s0", "states": states,
+        "format": 1,
+        "name": "big",
+        "events": {"a": {}, "b": {}, "stop": {}},
+        "initial": "s0",
+        "states": states,
         "transitions": [transition("stop", "end")],
-    }  # fmt: skip
+    }
 
 
 def sizes(path: Path) -> None:

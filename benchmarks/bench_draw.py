@@ -38,8 +38,10 @@ def chain(states: int) -> Mission:
         inside[f"end{group}"] = {"final": "succeeded"}
         to = f"g{group + 1}" if (group + 1) * 10 < states else "done"
         groups[f"g{group}"] = {
-            "initial": f"a{group}_0", "states": inside, "transitions": [{"on": "succeeded", "to": to}],
-        }  # fmt: skip
+            "initial": f"a{group}_0",
+            "states": inside,
+            "transitions": [{"on": "succeeded", "to": to}],
+        }
     document = {"format": 1, "name": "chain", "events": {"halt": {}}, "initial": "g0", "states": groups}
     return Mission.model_validate({**document, "states": {**groups, "done": {"final": "aborted"}}})
 

@@ -71,12 +71,15 @@ def counting(regions: int, *, shared: bool = False, digits: int = DIGITS) -> dic
         }
 
     return {
-        "format": 1, "name": "counting", "version": "1.0.0", "initial": "all",
+        "format": 1,
+        "name": "counting",
+        "version": "1.0.0",
+        "initial": "all",
         **({"blackboard": {"gate": {"type": "boolean", "initial": False}}} if shared else {}),
         "events": {**{f"e{number}": {} for number in range(regions)}, "stop": {}},
         "states": {"all": {"parallel": {f"r{n}": region(n) for n in range(regions)}}, "over": {"final": "aborted"}},
         "transitions": [{"on": "stop", "to": "over"}],
-    }  # fmt: skip
+    }
 
 
 def measure(what: str) -> dict[str, Any]:
@@ -98,11 +101,13 @@ def measure(what: str) -> dict[str, Any]:
     before = time.process_time()
     proofs = [prove(each, terms=robot, most=2_000_000) for each in missions]
     return {
-        "what": named(what), "verdict": ", ".join(sorted({each.verdict for each in proofs})),
-        "states": sum(each.states for each in proofs), "steps": sum(each.steps for each in proofs),
+        "what": named(what),
+        "verdict": ", ".join(sorted({each.verdict for each in proofs})),
+        "states": sum(each.states for each in proofs),
+        "steps": sum(each.steps for each in proofs),
         "cpu_s": time.process_time() - before,
         "memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
-    }  # fmt: skip
+    }
 
 
 def named(what: str) -> str:

@@ -84,9 +84,14 @@ def measure(libraries: Mapping[str, Library], *, second: bool | None = None) -> 
             wrong.append(f"answered: {each['ask']}")
     count, without = len(asked["answered"]), len(asked["unanswerable"])
     return Scores(
-        count, hits / max(1, count - refusals), refusals / count, refused / without, without, statistics.median(times),
+        count,
+        hits / max(1, count - refusals),
+        refusals / count,
+        refused / without,
+        without,
+        statistics.median(times),
         tuple(wrong),
-    )  # fmt: skip
+    )
 
 
 def libraries(folder: Path, **words: Any) -> dict[str, Library]:

@@ -51,10 +51,12 @@ def flood(folder: Path, *, is_recorded: bool, is_journaled: bool) -> Flood:
         witness = recording.row if recording is not None else None
         journal = Journal.create(folder / "run.journal", Header(dump(made)), witness=witness)
     runner = Runner(
-        made, robot=ROBOT, connector=recorded(connector, recording) if recording is not None else connector,
+        made,
+        robot=ROBOT,
+        connector=recorded(connector, recording) if recording is not None else connector,
         journal=journal,
         observer=RunObserver(recording.step, recording.status) if recording is not None else RunObserver(),
-    )  # fmt: skip
+    )
     thread = threading.Thread(target=runner.run)
     for _ in range(EVENTS):
         runner.post(Event("go", 0.0))
@@ -92,8 +94,14 @@ def main() -> None:
             print(f"{name:<46}{rates[is_recorded]:>10,.0f}{cpu:>10.1f}{after:>10.2f}{lost:>8}")
             figure(f"a flood of events: CPU an event, {name}", cpu, "µs")
         print(f"    with a recording: {100 * rates[True] / rates[False]:.0f} % of the rate without")
-        figure(f"a recorded flood, wall: {how}", rates[True], "events/s",
-               peer=("unrecorded", rates[False]), most=0.9 * rates[False], larger_is_better=True)  # fmt: skip
+        figure(
+            f"a recorded flood, wall: {how}",
+            rates[True],
+            "events/s",
+            peer=("unrecorded", rates[False]),
+            most=0.9 * rates[False],
+            larger_is_better=True,
+        )
 
 
 if __name__ == "__main__":

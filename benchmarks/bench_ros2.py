@@ -57,9 +57,13 @@ class Robot:
         self._publishers: dict[str, Any] = {}
         self.node.create_service(Trigger, "/horn", self._horn)
         self._server = ActionServer(
-            self.node, Fibonacci, "/move", lambda handle: self._result(),
-            handle_accepted_callback=lambda handle: self.moves.set(), cancel_callback=self._cancel,
-        )  # fmt: skip
+            self.node,
+            Fibonacci,
+            "/move",
+            lambda handle: self._result(),
+            handle_accepted_callback=lambda handle: self.moves.set(),
+            cancel_callback=self._cancel,
+        )
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self.node)
         self._thread = threading.Thread(target=self._executor.spin)
@@ -189,10 +193,12 @@ def missions(kind: str) -> None:
         events = {name: {"topic": f"/{name}{suffix}", "type": STRING} for name in ("go", "leave", "again")}
         eyes = {"camera": {"topic": "/camera", "type": "sensor_msgs/msg/Image"}} if sees else {}
         runner = Runner(
-            made, robot=Profile.model_validate({**ROBOT, "events": events, "blackboard": eyes}), connector=connector,
+            made,
+            robot=Profile.model_validate({**ROBOT, "events": events, "blackboard": eyes}),
+            connector=connector,
             answerers={"agent": DecisionAgent(HangingModel())},
             observer=RunObserver(lambda step: started.release() if step.seq == 1 else None),
-        )  # fmt: skip
+        )
         threading.Thread(target=runner.run, daemon=True).start()
     for _ in range(count):
         started.acquire()
@@ -233,9 +239,12 @@ def report(line: str) -> None:
 def other(kind: str) -> Iterator[tuple[int, str]]:
     """The other process, while it is needed: its number, and what it reported when it was ready."""
     with subprocess.Popen(
-        [sys.executable, "-W", "ignore", "-m", "benchmarks.bench_ros2", kind], stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE, text=True, cwd=Path(__file__).parents[1],
-    ) as process:  # fmt: skip
+        [sys.executable, "-W", "ignore", "-m", "benchmarks.bench_ros2", kind],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        cwd=Path(__file__).parents[1],
+    ) as process:
         assert process.stdin is not None and process.stdout is not None
         printed = process.stdout.readline().strip()
         yield process.pid, printed
@@ -247,9 +256,12 @@ def other(kind: str) -> Iterator[tuple[int, str]]:
 
 
 def print_times(
-    name: str, spent: list[float], floor: list[float] | None = None, most_over_ms: float | None = None,
+    name: str,
+    spent: list[float],
+    floor: list[float] | None = None,
+    most_over_ms: float | None = None,
     most_late_ms: float | None = None,
-) -> list[float]:  # fmt: skip
+) -> list[float]:
     spent = sorted(spent)
     middle, late = statistics.median(spent), spent[int(len(spent) * 0.99)]
     line = f"{name:<46}{1e3 * middle:>10.3f}{1e3 * late:>10.3f}{1e3 * spent[-1]:>10.3f}"
@@ -264,9 +276,14 @@ def print_times(
 
 
 def calls(
-    robot: Robot, name: str, floor: list[float] | None, topic: Callable[[int], str], *,
-    most_over_ms: float | None = None, most_late_ms: float | None = None,
-) -> list[float]:  # fmt: skip
+    robot: Robot,
+    name: str,
+    floor: list[float] | None,
+    topic: Callable[[int], str],
+    *,
+    most_over_ms: float | None = None,
+    most_late_ms: float | None = None,
+) -> list[float]:
     for each in dict.fromkeys(topic(number) for number in range(ROUNDS)):
         robot.until(robot.called, each)
     time.sleep(1.0)  # what was reported more than once is received more than once
@@ -332,9 +349,13 @@ def measure(robot: Robot) -> None:
             calls(robot, "mission, while pictures come", seen, lambda _: "/go")
     with other("hundred") as (pid, printed):
         calls(
-            robot, f"{MISSIONS} missions, one connector", floor, lambda number: f"/go{number % MISSIONS}",
-            most_over_ms=0.4, most_late_ms=3.0,
-        )  # fmt: skip
+            robot,
+            f"{MISSIONS} missions, one connector",
+            floor,
+            lambda number: f"/go{number % MISSIONS}",
+            most_over_ms=0.4,
+            most_late_ms=3.0,
+        )
         idle(f"{MISSIONS} missions", pid)
         print(f"    {MISSIONS} missions from the connector's start to the last one's: {printed.split()[-1]} s")
     print(WANTED)

@@ -108,9 +108,13 @@ def talking(model: BaseChatModel | None = None) -> Iterator[Talk]:
     waypoints = mission.blackboard["waypoints"].initial
     assert isinstance(waypoints, Sequence)
     config = RunConfig(
-        mission, HOUSE / "robot.sim.json", arguments={"waypoints": [*waypoints] * ROUNDS}, speed=1.0,
-        on_step=talk.step, on_status=agent.changed,
-    )  # fmt: skip
+        mission,
+        HOUSE / "robot.sim.json",
+        arguments={"waypoints": [*waypoints] * ROUNDS},
+        speed=1.0,
+        on_step=talk.step,
+        on_status=agent.changed,
+    )
     with prepare(config) as prepared:
         agent.attach(prepared.runner, prepared.journal)
         agent.run()

@@ -61,9 +61,12 @@ def trial(number: int, command: str) -> Stop | None:
     with tempfile.TemporaryDirectory() as folder:
         arguments = {"task": "go", "place": "kitchen"}
         config = RunConfig(
-            ROSBOT / "assist.json", Robot.model_validate(profile), arguments=arguments, speed=1.0,
+            ROSBOT / "assist.json",
+            Robot.model_validate(profile),
+            arguments=arguments,
+            speed=1.0,
             journal=Path(folder) / "run.journal",
-        )  # fmt: skip
+        )
         with prepare(config) as prepared:
             return stopped(prepared, command, random.Random(number).uniform(1.5, 6.0))
 

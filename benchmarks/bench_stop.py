@@ -26,9 +26,14 @@ from typing import Any
 ROUNDS, PERIOD_S, EVENTS_S = 200, 1 / 30, 2000
 ACTION, IMAGE, EMPTY = "test_msgs/action/Fibonacci", "sensor_msgs/msg/Image", "std_msgs/msg/Empty"
 PICTURE: dict[str, Any] = {
-    "header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": "camera"}, "height": 480, "width": 640,
-    "encoding": "rgb8", "is_bigendian": 0, "step": 1920, "data": bytes(640 * 480 * 3),
-}  # fmt: skip
+    "header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": "camera"},
+    "height": 480,
+    "width": 640,
+    "encoding": "rgb8",
+    "is_bigendian": 0,
+    "step": 1920,
+    "data": bytes(640 * 480 * 3),
+}
 MISSION = {
     "name": "loaded", "initial": "both", "events": ["poke"],
     "blackboard": {"camera": {"type": "image", "source": "robot", "max_age_s": 1, "optional": True},
@@ -49,16 +54,15 @@ MISSION = {
 
 def profile(kind: str) -> dict[str, Any]:
     return {
-        "name": "loaded", "connector": {"kind": kind},
+        "name": "loaded",
+        "connector": {"kind": kind},
         "blackboard": {"camera": {"topic": "/camera", "type": IMAGE}},
         "events": {"poke": {"posted": True}},
         "actions": {"move": {"action": "/move", "type": ACTION}},
-    }  # fmt: skip
+    }
 
 
-def loaded(
-    connector: Any, kind: str, folder: Path, number: int, ended: threading.Event, agent: Any = None
-) -> Any:  # fmt: skip
+def loaded(connector: Any, kind: str, folder: Path, number: int, ended: threading.Event, agent: Any = None) -> Any:
     """A runner under full load, and its flood."""
     from rai_missions.answerers.model.agent import DecisionAgent
     from rai_missions.event import Event
@@ -72,9 +76,12 @@ def loaded(
     mission = Mission.model_validate(MISSION)
     journal = Journal.create(folder / f"{number}.journal", Header(dump(mission), "", {}))
     runner = Runner(
-        mission, robot=Robot.model_validate(profile(kind)), connector=connector, journal=journal,
+        mission,
+        robot=Robot.model_validate(profile(kind)),
+        connector=connector,
+        journal=journal,
         answerers={"agent": agent or DecisionAgent(HangingModel())},
-    )  # fmt: skip
+    )
 
     def poke() -> None:
         runner.post(Event("poke", runner.view.now()))

@@ -62,16 +62,21 @@ def shown(name: str, values: Sequence[float]) -> None:
 
 ROUND_S, ROUNDS, RUNS = 0.02, 250, 4
 TIMED: dict[str, Any] = {
-    "name": "timed", "initial": "even", "about": "step every 20 ms",
+    "name": "timed",
+    "initial": "even",
+    "about": "step every 20 ms",
     "blackboard": {"rounds": {"type": "integer", "source": "mission", "initial": 0}},
     "states": {
-        "even": {"transitions": [
-            {"when": {"key": "rounds", ">=": ROUNDS}, "to": "over"}, {"after_s": ROUND_S, "to": "odd"},
-        ]},
+        "even": {
+            "transitions": [
+                {"when": {"key": "rounds", ">=": ROUNDS}, "to": "over"},
+                {"after_s": ROUND_S, "to": "odd"},
+            ]
+        },
         "odd": {"entry": [{"set": "rounds", "add": 1}], "transitions": [{"after_s": ROUND_S, "to": "even"}]},
         "over": {"final": "aborted"},
     },
-}  # fmt: skip
+}
 
 
 def lateness(folder: Path, *, talks: bool) -> list[float]:
@@ -162,8 +167,9 @@ def while_looked_up() -> None:
         library = Library(TRACTOR / "identity", Path(folder) / "index")
         doors = [TextDoor("terminal", asker.show), TextDoor("reader", reader.show)]
         agent = ConversationalAgent(doors=doors, library=library)
-        config = RunConfig(TRACTOR / "mission.json", TRACTOR / "robot.sim.json", speed=1.0, on_step=agent.step,
-                           on_status=agent.changed)  # fmt: skip
+        config = RunConfig(
+            TRACTOR / "mission.json", TRACTOR / "robot.sim.json", speed=1.0, on_step=agent.step, on_status=agent.changed
+        )
         with prepare(config) as prepared:
             agent.attach(prepared.runner, prepared.journal)
             agent.run()

@@ -86,9 +86,12 @@ def stepping(tree: dict[str, Any], keys: int, trees: Any = None) -> Callable[[],
     names = [*(f"g{number}" for number in range(keys)), "on"]
     states = {"w": {"tree": {"selector": [tree, {"action": "rest"}]}, "transitions": [{"on": "succeeded", "to": "e"}]}}
     board = {name: {"type": "boolean", "source": "robot"} for name in names}
-    chart = Chart(Mission.model_validate({
-        "name": "m", "initial": "w", "blackboard": board, "states": {**states, "e": {"final": "failed"}}
-    }), trees)  # fmt: skip
+    chart = Chart(
+        Mission.model_validate(
+            {"name": "m", "initial": "w", "blackboard": board, "states": {**states, "e": {"final": "failed"}}}
+        ),
+        trees,
+    )
     for name in names:
         chart.write(name, False, at=0.0)
     chart.start(0.0)

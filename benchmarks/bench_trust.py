@@ -197,9 +197,18 @@ def _number(reply: str) -> float:
 
 
 SCRIPTS: tuple[Script, ...] = (
-    claims_success, starts_and_believes, drives_over_anything, asks_for_several, calls_what_is_not_there, floods,
-    obeys_the_label, raises, hangs, is_silent, is_careful,
-)  # fmt: skip
+    claims_success,
+    starts_and_believes,
+    drives_over_anything,
+    asks_for_several,
+    calls_what_is_not_there,
+    floods,
+    obeys_the_label,
+    raises,
+    hangs,
+    is_silent,
+    is_careful,
+)
 
 ENDLESS = (calls_what_is_not_there, floods, hangs)
 """Scripts that the peer does not end: each is cut off after `LONGEST_S`, so fewer seeds are tried."""
@@ -287,9 +296,12 @@ def ours(script: Script, seed: int) -> Seen:
     model = Scripted(script, seed)
     agent = DecisionAgent(model, None, box.read_only)
     runner = Runner(
-        yard_mission(tries=TRIES), robot=yard_robot(), connector=connector, clock=SimulatedClock(yard),
+        yard_mission(tries=TRIES),
+        robot=yard_robot(),
+        connector=connector,
+        clock=SimulatedClock(yard),
         answerers={"agent": agent},
-    )  # fmt: skip
+    )
     began = time.monotonic()
     result = runner.run()
     hung = time.monotonic() - began > 60.0

@@ -37,7 +37,7 @@ from rai_missions.conversation import (
     StatusView,
     TalkNote,
     Utterance,
-)  # fmt: skip
+)
 from rai_missions.voice.ear import WAKE_WORDS, EchoCanceller, WakeWord
 from rai_missions.voice.listener import PHRASES, WAKE_CUTOFF, ListenSettings, SpeechListener, Transcript
 from rai_missions.voice.process import SpeechProcess
@@ -136,9 +136,14 @@ def noise(kind: str, count: int, random: np.random.Generator) -> np.ndarray:
 
 
 def mixed(
-    sound: np.ndarray, db: float, kind: str, random: np.random.Generator, before_s: float = 1.5, *,
+    sound: np.ndarray,
+    db: float,
+    kind: str,
+    random: np.random.Generator,
+    before_s: float = 1.5,
+    *,
     of: np.ndarray | None = None,
-) -> bytes:  # fmt: skip
+) -> bytes:
     """Speech in noise: so many dB over the parts that are no pause; 1.5 s of noise come first, as in a room.
 
     Args:
@@ -331,8 +336,11 @@ def wake(_: Bench, scale: int) -> None:
                 most.append(look.most(mixed(speech(spoken + behind, speaker), db, kind, random))[name])
                 hits[f"{db} dB"] += most[-1] >= WAKE_CUTOFF
                 by[speaker] += most[-1] >= WAKE_CUTOFF
-            print(f"  {spoken + behind!r}: {by.total()} of {len(cases)} recognised, {dict(hits)}, {dict(by)}; highest"
-                  f" probabilities {' '.join(f'{each:.2f}' for each in sorted(most))}", flush=True)  # fmt: skip
+            print(
+                f"  {spoken + behind!r}: {by.total()} of {len(cases)} recognised, {dict(hits)}, {dict(by)}; highest"
+                f" probabilities {' '.join(f'{each:.2f}' for each in sorted(most))}",
+                flush=True,
+            )
 
 
 def alarms(_: Bench, scale: int) -> None:
@@ -359,8 +367,10 @@ def alarms(_: Bench, scale: int) -> None:
             count[word] += most >= WAKE_CUTOFF
             if most >= NEAR_ALARM:
                 print(f"    {word} {most:.3f} {seconds / 3600:.3f} h: {name}", flush=True)
-    print(f"  {seconds / 3600:.2f} h, {time.process_time() - begun:.0f} s of CPU without flite's; false alarms at "
-          f"{WAKE_CUTOFF}: { {name: count[name] for name in WORDS} }")  # fmt: skip
+    print(
+        f"  {seconds / 3600:.2f} h, {time.process_time() - begun:.0f} s of CPU without flite's; false alarms at "
+        f"{WAKE_CUTOFF}: { {name: count[name] for name in WORDS} }"
+    )
 
 
 def long_text() -> Iterator[str]:
@@ -418,8 +428,10 @@ def echo(bench: Bench, scale: int) -> None:
                 texts += [each.text for each in bench.of(room)]
                 cuts += len(bench.present)
                 count += 1
-        print(f"  own voice, room {'with' if room_tail else 'without'} reflections: {count} reports, "
-              f"{len(texts)} transcribed {texts}, {cuts} cut")  # fmt: skip
+        print(
+            f"  own voice, room {'with' if room_tail else 'without'} reflections: {count} reports, "
+            f"{len(texts)} transcribed {texts}, {cuts} cut"
+        )
 
 
 BARGE_INS = ("Stop.", "What are you doing?", "Wait here until I come back.", "Cancel the mission.")
@@ -485,9 +497,15 @@ def arrival(bench: Bench, recorded: bytes) -> float:
 
 
 SECTIONS: dict[str, Callable[[Bench, int], None]] = {
-    "orders": orders, "false": false_orders, "words": words, "wake": wake, "alarms": alarms,
-    "echo": echo, "barge": barge, "delay": delay,
-}  # fmt: skip
+    "orders": orders,
+    "false": false_orders,
+    "words": words,
+    "wake": wake,
+    "alarms": alarms,
+    "echo": echo,
+    "barge": barge,
+    "delay": delay,
+}
 
 
 def main() -> int:

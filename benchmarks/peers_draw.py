@@ -33,9 +33,15 @@ def machine_of(mission: Mission) -> Any:
     HierarchicalGraphMachine.state_cls.separator = "."
     start = next(initial.target for initial in drawn.initials if not initial.parent)
     return HierarchicalGraphMachine(
-        model=_Model(drawn), states=_states(inside[""]), transitions=_transitions(drawn, full), initial=full[start],
-        auto_transitions=False, show_conditions=True, title=mission.name, graph_engine="graphviz",
-    )  # fmt: skip
+        model=_Model(drawn),
+        states=_states(inside[""]),
+        transitions=_transitions(drawn, full),
+        initial=full[start],
+        auto_transitions=False,
+        show_conditions=True,
+        title=mission.name,
+        graph_engine="graphviz",
+    )
 
 
 class _Model:

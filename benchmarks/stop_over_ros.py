@@ -125,12 +125,19 @@ class Actuator:
 
         self.moves, self.stopped, self.at = threading.Event(), threading.Event(), 0.0
         self._result, self._accept, self._executor, self._empty = (
-            Fibonacci.Result, CancelResponse.ACCEPT, executor, Empty()
-        )  # fmt: skip
+            Fibonacci.Result,
+            CancelResponse.ACCEPT,
+            executor,
+            Empty(),
+        )
         ActionServer(
-            node, Fibonacci, "/move", lambda handle: self._result(),
-            handle_accepted_callback=lambda handle: self.moves.set(), cancel_callback=self._cancel,
-        )  # fmt: skip
+            node,
+            Fibonacci,
+            "/move",
+            lambda handle: self._result(),
+            handle_accepted_callback=lambda handle: self.moves.set(),
+            cancel_callback=self._cancel,
+        )
         self._stop = node.create_publisher(Empty, "/stop", 10)
 
     def _cancel(self, handle: Any) -> Any:

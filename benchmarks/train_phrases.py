@@ -177,9 +177,11 @@ def speak(args: argparse.Namespace) -> None:
             print(f"{number} of {args.count}", flush=True)
     args.folder.mkdir(parents=True, exist_ok=True)
     np.savez(
-        args.folder / f"turns-{args.seed}.npz", states=np.concatenate([each.states for each in found]),
-        steps=[len(each.states) for each in found], labels=[each.label for each in found],
-    )  # fmt: skip
+        args.folder / f"turns-{args.seed}.npz",
+        states=np.concatenate([each.states for each in found]),
+        steps=[len(each.states) for each in found],
+        labels=[each.label for each in found],
+    )
 
 
 def kept(folder: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -261,9 +263,11 @@ def train(args: argparse.Namespace) -> None:
 def initial_weights(random: np.random.Generator, size: int) -> dict[str, np.ndarray]:
     """Weights to begin with, for states of a size; see `PhraseNetwork`."""
     shapes = {
-        "reduce": (size, FEATURES), "near": (WIDTH, FEATURES, FEATURES), "far": (WIDTH, FEATURES, FEATURES),
+        "reduce": (size, FEATURES),
+        "near": (WIDTH, FEATURES, FEATURES),
+        "far": (WIDTH, FEATURES, FEATURES),
         "answer": (2 * FEATURES, NONE + 1),
-    }  # fmt: skip
+    }
     weights = {name: random.normal(size=each) / np.sqrt(np.prod(each[:-1])) for name, each in shapes.items()}
     weights |= {f"{name}_bias": np.zeros(each[-1]) for name, each in shapes.items()}
     return {name: each.astype(np.float32) for name, each in weights.items()}

@@ -15,7 +15,9 @@ __all__ = ("DELIVER", "TREE_MISSIONS")
 def around(name: str, blackboard: dict[str, Any], tree: dict[str, Any]) -> dict[str, Any]:
     """A mission that does one tree, and what is around it: a low battery, an e-stop, a door that a person opens."""
     return {
-        "format": 1, "name": name, "version": "1.0.0",
+        "format": 1,
+        "name": name,
+        "version": "1.0.0",
         "blackboard": {
             "battery": {"type": "number", "source": "robot", "max_age_s": 10},
             "done": {"type": "boolean", "source": "robot", "max_age_s": 5},
@@ -25,23 +27,27 @@ def around(name: str, blackboard: dict[str, Any], tree: dict[str, Any]) -> dict[
         "initial": "working",
         "states": {
             "working": {
-                "tree": tree, "timeout_s": 600,
+                "tree": tree,
+                "timeout_s": 600,
                 "transitions": [
                     {
-                        "when": {"any": [{"key": "battery", "<": 0.2}, {"not": {"fresh": "battery"}}]}, "to": "home",
+                        "when": {"any": [{"key": "battery", "<": 0.2}, {"not": {"fresh": "battery"}}]},
+                        "to": "home",
                     },
-                    {"on": "succeeded", "to": "finished"}, {"on": ["failed", "timed_out"], "to": "home"},
+                    {"on": "succeeded", "to": "finished"},
+                    {"on": ["failed", "timed_out"], "to": "home"},
                 ],
             },
             "home": {
-                "action": "go_home", "timeout_s": 120,
+                "action": "go_home",
+                "timeout_s": 120,
                 "transitions": [{"on": ["succeeded", "failed", "rejected", "timed_out"], "to": "given_up"}],
             },
             "finished": {"final": "succeeded", "requires": {"key": "done", "==": True}, "settle_s": 2},
             "given_up": {"final": "aborted"},
         },
         "transitions": [{"on": "stop", "to": "given_up"}],
-    }  # fmt: skip
+    }
 
 
 FETCH = around(
@@ -59,22 +65,32 @@ FETCH = around(
                     {
                         "sequence": [
                             {"call": "open_gripper", "timeout_s": 3},
-                            {"selector": [
-                                {"retry": 2, "child": {"action": "raise_arm", "timeout_s": 20}},
-                                {"action": "home_arm", "timeout_s": 30},
-                            ], "memory": True},
+                            {
+                                "selector": [
+                                    {"retry": 2, "child": {"action": "raise_arm", "timeout_s": 20}},
+                                    {"action": "home_arm", "timeout_s": 30},
+                                ],
+                                "memory": True,
+                            },
                         ]
                     },
                 ]
             },
             {
                 "selector": [
-                    {"sequence": [
-                        {"check": {"key": "blocked", "==": False}},
-                        {"retry": 3, "child": {
-                            "action": "pick", "timeout_s": 20, "achieved": {"key": "holding", "==": True},
-                        }},
-                    ]},
+                    {
+                        "sequence": [
+                            {"check": {"key": "blocked", "==": False}},
+                            {
+                                "retry": 3,
+                                "child": {
+                                    "action": "pick",
+                                    "timeout_s": 20,
+                                    "achieved": {"key": "holding", "==": True},
+                                },
+                            },
+                        ]
+                    },
                     {
                         "decision": {
                             "question": "The part cannot be picked. What now?",
@@ -82,13 +98,18 @@ FETCH = around(
                                 "push": {"about": "push what blocks it away", "when": {"key": "tries", "<": 2}},
                                 "leave": {"about": "leave it"},
                             },
-                            "ask": ["agent"], "deadline_s": 20, "fallback": "leave",
+                            "ask": ["agent"],
+                            "deadline_s": 20,
+                            "fallback": "leave",
                         },
                         "then": {
-                            "push": {"sequence": [
-                                {"set": "tries", "add": 1}, {"action": "push", "timeout_s": 10},
-                                {"action": "pick", "timeout_s": 20, "achieved": {"key": "holding", "==": True}},
-                            ]},
+                            "push": {
+                                "sequence": [
+                                    {"set": "tries", "add": 1},
+                                    {"action": "push", "timeout_s": 10},
+                                    {"action": "pick", "timeout_s": 20, "achieved": {"key": "holding", "==": True}},
+                                ]
+                            },
                         },
                     },
                 ]
@@ -96,7 +117,7 @@ FETCH = around(
             {"timeout": 90, "child": {"action": "drive", "goal": {"to": "table"}}},
         ]
     },
-)  # fmt: skip
+)
 
 INSPECT = around(
     "inspect",
@@ -107,25 +128,38 @@ INSPECT = around(
     },
     {
         "parallel": [
-            {"sequence": [
-                {"selector": [
-                    {"check": {"key": "at_site", "==": True}},
-                    {"retry": 2, "child": {"action": "drive", "timeout_s": 120}},
-                ]},
-                {"eternal_guard": {"key": "clear", "==": True}, "child": {"action": "raise_mast", "timeout_s": 40}},
-                {"repeat": 2, "child": {"sequence": [
-                    {"retry": 2, "child": {"call": "take_photo", "timeout_s": 5}}, {"set": "photos", "add": 1},
-                ]}},
-                {"action": "lower_mast", "timeout_s": 40},
-            ]},
-            {"sequence": [
-                {"call": "lights_on", "timeout_s": 2}, {"call": "record", "timeout_s": 300},
-                {"call": "lights_off", "timeout_s": 2},
-            ]},
+            {
+                "sequence": [
+                    {
+                        "selector": [
+                            {"check": {"key": "at_site", "==": True}},
+                            {"retry": 2, "child": {"action": "drive", "timeout_s": 120}},
+                        ]
+                    },
+                    {"eternal_guard": {"key": "clear", "==": True}, "child": {"action": "raise_mast", "timeout_s": 40}},
+                    {
+                        "repeat": 2,
+                        "child": {
+                            "sequence": [
+                                {"retry": 2, "child": {"call": "take_photo", "timeout_s": 5}},
+                                {"set": "photos", "add": 1},
+                            ]
+                        },
+                    },
+                    {"action": "lower_mast", "timeout_s": 40},
+                ]
+            },
+            {
+                "sequence": [
+                    {"call": "lights_on", "timeout_s": 2},
+                    {"call": "record", "timeout_s": 300},
+                    {"call": "lights_off", "timeout_s": 2},
+                ]
+            },
         ],
         "policy": [0],
     },
-)  # fmt: skip
+)
 DELIVER = around(
     "deliver",
     {
@@ -135,38 +169,59 @@ DELIVER = around(
     },
     {
         "sequence": [
-            {"selector": [
-                {"check": {"key": "loaded", "==": True}},
-                {"retry": 2, "child": {"action": "load", "timeout_s": 60, "achieved": {"key": "loaded", "==": True}}},
-            ], "memory": True},
-            {"selector": [
-                {"sequence": [
-                    {"check": {"key": "door", "==": "open"}}, {"timeout": 60, "child": {"action": "pass_door"}},
-                ]},
-                {"sequence": [{"call": "open_door", "timeout_s": 10}, {"action": "pass_door", "timeout_s": 60}]},
-                {
-                    "decision": {
-                        "question": "The door stays shut. What now?",
-                        "options": {
-                            "detour": {"about": "take the long way", "when": {"key": "detours", "<": 1}},
-                            "ask": {"about": "ask a person for help"}, "give_up": {"about": "go home"},
+            {
+                "selector": [
+                    {"check": {"key": "loaded", "==": True}},
+                    {
+                        "retry": 2,
+                        "child": {"action": "load", "timeout_s": 60, "achieved": {"key": "loaded", "==": True}},
+                    },
+                ],
+                "memory": True,
+            },
+            {
+                "selector": [
+                    {
+                        "sequence": [
+                            {"check": {"key": "door", "==": "open"}},
+                            {"timeout": 60, "child": {"action": "pass_door"}},
+                        ]
+                    },
+                    {"sequence": [{"call": "open_door", "timeout_s": 10}, {"action": "pass_door", "timeout_s": 60}]},
+                    {
+                        "decision": {
+                            "question": "The door stays shut. What now?",
+                            "options": {
+                                "detour": {"about": "take the long way", "when": {"key": "detours", "<": 1}},
+                                "ask": {"about": "ask a person for help"},
+                                "give_up": {"about": "go home"},
+                            },
+                            "ask": ["agent", "operator"],
+                            "deadline_s": 30,
+                            "fallback": "give_up",
                         },
-                        "ask": ["agent", "operator"], "deadline_s": 30, "fallback": "give_up",
+                        "then": {
+                            "detour": {
+                                "sequence": [
+                                    {"set": "detours", "add": 1},
+                                    {"action": "long_way", "timeout_s": 300},
+                                ]
+                            },
+                            "ask": {
+                                "sequence": [
+                                    {"call": "page", "timeout_s": 5},
+                                    {"action": "pass_door", "timeout_s": 300},
+                                ]
+                            },
+                            "give_up": {"check": {"key": "loaded", "==": False}},
+                        },
                     },
-                    "then": {
-                        "detour": {"sequence": [
-                            {"set": "detours", "add": 1}, {"action": "long_way", "timeout_s": 300},
-                        ]},
-                        "ask": {"sequence": [
-                            {"call": "page", "timeout_s": 5}, {"action": "pass_door", "timeout_s": 300},
-                        ]},
-                        "give_up": {"check": {"key": "loaded", "==": False}},
-                    },
-                },
-            ], "memory": True},
+                ],
+                "memory": True,
+            },
             {"retry": 2, "child": {"action": "unload", "timeout_s": 60, "achieved": {"key": "loaded", "==": False}}},
         ]
     },
-)  # fmt: skip
+)
 TREE_MISSIONS = {each["name"]: each for each in (FETCH, INSPECT, DELIVER)}
 """Name → a mission."""

@@ -225,8 +225,9 @@ def lazy_names(
         scope: Its `globals()`, where a name is kept once it was used.
         rooms: Module below the package → the names that it offers; `Call as CallEffect` has another name here.
     """
-    homes = {each.rpartition(" as ")[2]: (room, each.partition(" as ")[0]) for room, names in rooms.items()
-             for each in names}  # fmt: skip
+    homes = {
+        each.rpartition(" as ")[2]: (room, each.partition(" as ")[0]) for room, names in rooms.items() for each in names
+    }
 
     def load(name: str) -> Any:
         if name not in homes:

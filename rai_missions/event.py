@@ -21,9 +21,25 @@ Origin = Role | Literal["software"]
 
 NOTHING: Mapping[str, Any] = {}
 EventKind = Literal[
-    "event", "tick", "write", "accepted", "feedback", "result", "proposal", "control", "behaviour", "command",
-    "doubt", "refused", "lost", "contested", "stray", "over", "overdue", "outcome",
-]  # fmt: skip
+    "event",
+    "tick",
+    "write",
+    "accepted",
+    "feedback",
+    "result",
+    "proposal",
+    "control",
+    "behaviour",
+    "command",
+    "doubt",
+    "refused",
+    "lost",
+    "contested",
+    "stray",
+    "over",
+    "overdue",
+    "outcome",
+]
 """The kinds of events; the table of `Event.kind` has what each means."""
 KINDS: tuple[EventKind, ...] = tuple(kind for kind in get_args(EventKind) if kind != "outcome")
 """Those that can come from outside."""

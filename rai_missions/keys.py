@@ -29,8 +29,14 @@ TypeName = Literal["string", "number", "integer", "boolean", "object", "list", "
 Source = Literal["robot", "argument", "mission", "answer"]
 
 PYTHON_TYPES: Mapping[Any, str] = {
-    str: "string", float: "number", int: "integer", bool: "boolean", dict: "object", list: "list", Image: "image",
-}  # fmt: skip
+    str: "string",
+    float: "number",
+    int: "integer",
+    bool: "boolean",
+    dict: "object",
+    list: "list",
+    Image: "image",
+}
 
 
 PythonType: TypeAlias = type[str] | type[float] | type[bool] | type[dict[str, Any]] | type[list[Any]] | type[Image]
@@ -69,8 +75,11 @@ Blackboard = dict[str, Stamped]
 
 RANGE = ("minimum", "maximum")
 OWN_WORDS: Mapping[TypeName, tuple[str, ...]] = {
-    "pose": ("frame",), "object": ("fields",), "number": RANGE, "integer": RANGE,
-}  # fmt: skip
+    "pose": ("frame",),
+    "object": ("fields",),
+    "number": RANGE,
+    "integer": RANGE,
+}
 """Type → the words of a key that describe values of that type alone."""
 ALL_OWN = frozenset(chain(*OWN_WORDS.values()))
 
@@ -103,11 +112,19 @@ class Key(MissionModel):
     """What it means, in a sentence, with its unit; questions and reports show it."""
 
     def __init__(
-        self, type: TypeName | PythonType, *, source: Source = "mission", initial: Value = None,
-        max_age_s: float | None = None, optional: bool = False,
-        fields: Mapping[str, TypeName | PythonType] | None = None, frame: str = "",
-        minimum: float | None = None, maximum: float | None = None, about: str = "",
-    ) -> None: ...  # fmt: skip
+        self,
+        type: TypeName | PythonType,
+        *,
+        source: Source = "mission",
+        initial: Value = None,
+        max_age_s: float | None = None,
+        optional: bool = False,
+        fields: Mapping[str, TypeName | PythonType] | None = None,
+        frame: str = "",
+        minimum: float | None = None,
+        maximum: float | None = None,
+        about: str = "",
+    ) -> None: ...
 
     @model_validator(mode="after")
     def _fits_its_source(self) -> Self:
@@ -154,9 +171,11 @@ class Key(MissionModel):
 
 
 def _is_pose(value: Any) -> bool:
-    return isinstance(value, Mapping) and all(is_number(value.get(axis, 0.0)) for axis in ("x", "y", "z", "yaw")) and (
-        "x" in value and "y" in value
-    )  # fmt: skip
+    return (
+        isinstance(value, Mapping)
+        and all(is_number(value.get(axis, 0.0)) for axis in ("x", "y", "z", "yaw"))
+        and ("x" in value and "y" in value)
+    )
 
 
 _FITS: Mapping[str, Callable[[Any], bool]] = {

@@ -80,8 +80,15 @@ if not TYPE_CHECKING:
             "agents.contract": ("check_agent",),
             "answerers.contract": ("QUESTION", "ReplyCollector", "answer_fault", "check_answerer"),
             "answerers.test_models": (
-                "BabblingModel", "HangingModel", "LyingModel", "RaisingModel", "ScriptedModel", "SilentModel",
-                "ToolFloodModel", "WordyModel", "call",
+                "BabblingModel",
+                "HangingModel",
+                "LyingModel",
+                "RaisingModel",
+                "ScriptedModel",
+                "SilentModel",
+                "ToolFloodModel",
+                "WordyModel",
+                "call",
             ),
             "answerers.test_answerers": ("ChatteringAnswerer", "LateAnswerer", "RaisingAnswerer", "SilentAnswerer"),
             "answerers.script": ("ScriptAnswerer",),
@@ -97,4 +104,4 @@ if not TYPE_CHECKING:
             "voice.contract": ("check_recogniser", "check_voice"),
             "worlds.contract": ("check_world",),
         },
-    )  # fmt: skip
+    )

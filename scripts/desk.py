@@ -36,9 +36,13 @@ def arrange(request: str, scene: str | None, seed: int, pictures: Path) -> int:
     profile["connector"] |= {"seed": seed, **({"scene": scene} if scene else {})}
     pictures.mkdir(parents=True, exist_ok=True)
     config = RunConfig(
-        ROOT / "arrange.json", Robot.model_validate(profile), {"request": request}, speed=None,
-        journal=pictures / "desk.journal", on_step=_show,
-    )  # fmt: skip
+        ROOT / "arrange.json",
+        Robot.model_validate(profile),
+        {"request": request},
+        speed=None,
+        journal=pictures / "desk.journal",
+        on_step=_show,
+    )
     print(f"request: {request}", flush=True)
     with prepare(config) as prepared:
         world: Any = prepared.world

@@ -59,8 +59,11 @@ OPERATORS = (
     *(f"core/ReplaceBinaryOperator_{each}" for each in SIGNS),
     *(f"core/Replace{each}" for each in ("AndWithOr", "OrWithAnd", "TrueWithFalse", "FalseWithTrue")),
     *(f"core/Replace{each}" for each in ("BreakWithContinue", "ContinueWithBreak", "UnaryOperator_Delete_Not")),
-    "core/AddNot", "core/NumberReplacer", "core/ZeroIterationForLoop", "statement",
-)  # fmt: skip
+    "core/AddNot",
+    "core/NumberReplacer",
+    "core/ZeroIterationForLoop",
+    "statement",
+)
 
 
 class StatementDeletion(Operator):  # type: ignore[misc, unused-ignore]
@@ -243,11 +246,29 @@ class Covered:
     @staticmethod
     def _work_out(path: Path, report: Path, tests: list[str], jobs: int, copy: Path) -> None:
         subprocess.run(
-            [sys.executable, "-m", "pytest", "-q", "-n", str(jobs), "--dist", "loadfile", "-p", "no:cacheprovider",
-             "--cov=rai_missions", "--cov-context=test", "--cov-report=", f"--junitxml={report}",
-             "--timeout=0", *tests],  # a time-out inside coverage's own lock would wait for ever
-            cwd=copy, check=False, env={**environment_in(copy), "COVERAGE_FILE": str(path)}, stdin=subprocess.DEVNULL,
-        )  # fmt: skip
+            [
+                sys.executable,
+                "-m",
+                "pytest",
+                "-q",
+                "-n",
+                str(jobs),
+                "--dist",
+                "loadfile",
+                "-p",
+                "no:cacheprovider",
+                "--cov=rai_missions",
+                "--cov-context=test",
+                "--cov-report=",
+                f"--junitxml={report}",
+                "--timeout=0",
+                *tests,
+            ],  # a time-out inside coverage's own lock would wait for ever
+            cwd=copy,
+            check=False,
+            env={**environment_in(copy), "COVERAGE_FILE": str(path)},
+            stdin=subprocess.DEVNULL,
+        )
 
     def every(self) -> list[str]:
         """The tests of all lines."""
@@ -360,13 +381,29 @@ class Copies:
     def run(copy: Path, tests: list[str], limit_s: float) -> tuple[int | None, str]:
         """The exit status of the tests in a copy, None where they are not over in time; and what they print."""
         command = [
-            sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-p", "no:cacheprovider", "--timeout", "120", *tests,
-        ]  # fmt: skip
+            sys.executable,
+            "-m",
+            "pytest",
+            "-x",
+            "-q",
+            "-n",
+            "0",
+            "-p",
+            "no:cacheprovider",
+            "--timeout",
+            "120",
+            *tests,
+        ]
         with tempfile.TemporaryFile("w+", errors="replace") as output:
             process = subprocess.Popen(
-                command, cwd=copy, stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.DEVNULL,
-                start_new_session=True, env=environment_in(copy),
-            )  # fmt: skip
+                command,
+                cwd=copy,
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.DEVNULL,
+                start_new_session=True,
+                env=environment_in(copy),
+            )
             status: int | None = None
             with suppress(subprocess.TimeoutExpired):
                 status = process.wait(limit_s)

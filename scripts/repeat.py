@@ -28,10 +28,26 @@ def run(tests: list[str], seed: int, limit_s: float) -> tuple[list[str], float, 
     with tempfile.TemporaryDirectory() as folder:
         report = Path(folder) / "report.xml"
         done = subprocess.run(
-            [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", f"--junitxml={report}",
-             f"--timeout={limit_s:g}", f"--hypothesis-seed={seed}", *tests],
-            cwd=ROOT, env={**os.environ, "HYPOTHESIS_PROFILE": "fresh"}, capture_output=True, text=True, check=False,
-        )  # fmt: skip
+            [
+                sys.executable,
+                "-m",
+                "pytest",
+                "-q",
+                "-n",
+                "0",
+                "-p",
+                "no:cacheprovider",
+                f"--junitxml={report}",
+                f"--timeout={limit_s:g}",
+                f"--hypothesis-seed={seed}",
+                *tests,
+            ],
+            cwd=ROOT,
+            env={**os.environ, "HYPOTHESIS_PROFILE": "fresh"},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         if not report.exists():
             return [done.stdout + done.stderr], 0.0, ""
         cases = list(ElementTree.parse(report).iter("testcase"))

@@ -89,9 +89,13 @@ def talk(running: Any, folder: Path) -> bytes:
     program = Path(sys.executable).with_name("rai-missions")
     more = ["--watch", "0", "--journal", folder / "talked.journal"]
     with subprocess.Popen(
-        [program, *command, *more], cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE, text=True,
-    ) as run:  # fmt: skip
+        [program, *command, *more],
+        cwd=ROOT,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as run:
         assert run.stderr is not None
         url = next(line.split()[1] for line in run.stderr if line.startswith("watch: "))
         window = running.new_page(viewport=SIZE, color_scheme="light", reduced_motion="reduce")

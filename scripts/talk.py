@@ -57,26 +57,45 @@ def sentences(*given: tuple[float, str]) -> tuple[Sentence, ...]:
 
 SCENES: Mapping[str, Scene] = {
     "tractor": Scene(
-        "tractor", {"alleys": 3},
+        "tractor",
+        {"alleys": 3},
         sentences(
-            (4, "what are you doing?"), (8, "how far are you?"), (14, "is the moon made of cheese?"),
-            (19, "please make up a song"), (24, "stop"),
-            (28, "why did you stop?"), (34, "resume"), (44, "what is the battery level?"), (60, "how far are you?"),
-            (80, "what happened last?"), (150, "cancel the mission"), (152, "what are you doing?"),
-            (156, "cancel the mission"), (158, "yes"),
+            (4, "what are you doing?"),
+            (8, "how far are you?"),
+            (14, "is the moon made of cheese?"),
+            (19, "please make up a song"),
+            (24, "stop"),
+            (28, "why did you stop?"),
+            (34, "resume"),
+            (44, "what is the battery level?"),
+            (60, "how far are you?"),
+            (80, "what happened last?"),
+            (150, "cancel the mission"),
+            (152, "what are you doing?"),
+            (156, "cancel the mission"),
+            (158, "yes"),
         ),
     ),
     "rosbot": Scene(
-        "rosbot", {},
+        "rosbot",
+        {},
         sentences(
-            (3, "what are you doing?"), (8, "who are you?"), (14, "is the moon made of cheese?"),
+            (3, "what are you doing?"),
+            (8, "who are you?"),
+            (14, "is the moon made of cheese?"),
             (17, "please make up a song"),
             (20, "pause"),
-            (24, "how far are you?"), (28, "resume"), (50, "stop"), (54, "why did you stop?"), (58, "resume"),
-            (90, "what happened last?"), (120, "cancel the mission"), (124, "yes"),
+            (24, "how far are you?"),
+            (28, "resume"),
+            (50, "stop"),
+            (54, "why did you stop?"),
+            (58, "resume"),
+            (90, "what happened last?"),
+            (120, "cancel the mission"),
+            (124, "yes"),
         ),
     ),
-}  # fmt: skip
+}
 
 
 class TalkingModel(DoubleModel):
@@ -156,19 +175,26 @@ def play(scene: Scene, show: Callable[[str], None], *, model: BaseChatModel | No
         agent.changed(status)
 
     config = RunConfig(
-        folder / "mission.json", folder / "robot.sim.json", dict(scene.arguments), speed=scene.speed,
-        on_step=stepped, on_status=changed,
-    )  # fmt: skip
+        folder / "mission.json",
+        folder / "robot.sim.json",
+        dict(scene.arguments),
+        speed=scene.speed,
+        on_step=stepped,
+        on_status=changed,
+    )
     with prepare(config) as prepared:
         runner, robot = prepared.runner, prepared.robot
         agent = ConversationalAgent(
-            settings_of(robot.conversation if robot is not None else None), doors=[TextDoor("terminal", line)],
-            model=TalkModel(model or TalkingModel()), robot=RobotWords(robot.name if robot is not None else ""),
-        )  # fmt: skip
+            settings_of(robot.conversation if robot is not None else None),
+            doors=[TextDoor("terminal", line)],
+            model=TalkModel(model or TalkingModel()),
+            robot=RobotWords(robot.name if robot is not None else ""),
+        )
         person = Person(
-            scene.sentences, runner.view.now,
+            scene.sentences,
+            runner.view.now,
             lambda text: agent.receive(text, role="operator", channel="terminal", author="Anna"),
-        )  # fmt: skip
+        )
         agent.attach(runner, prepared.journal)
         agent.run()
         person.start()

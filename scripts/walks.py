@@ -170,15 +170,21 @@ def reached(stay: Stay) -> set[str]:
 def imported(module: str) -> frozenset[str]:
     """The modules that a module imports, anywhere in it; of what a package offers, those that define it too."""
     found = set[str]()
-    waiting = [(each.module, name.name) for each in ast.walk(tree(module))
-               if isinstance(each, ast.ImportFrom) and each.module for name in each.names]  # fmt: skip
+    waiting = [
+        (each.module, name.name)
+        for each in ast.walk(tree(module))
+        if isinstance(each, ast.ImportFrom) and each.module
+        for name in each.names
+    ]
     while waiting:
         source, name = waiting.pop()
         found |= {source, f"{source}.{name}"}
         if ROOT.joinpath(*source.split(".")).is_dir():
-            waiting += [(each.module, name) for each in tree(source).body
-                        if isinstance(each, ast.ImportFrom) and each.module
-                        and name in [one.name for one in each.names]]  # fmt: skip
+            waiting += [
+                (each.module, name)
+                for each in tree(source).body
+                if isinstance(each, ast.ImportFrom) and each.module and name in [one.name for one in each.names]
+            ]
     return frozenset(found)
 
 

@@ -39,18 +39,33 @@ EVENTS = ("anomaly", "halt", "poke")
 """The events from outside; `hint` is raised by transitions alone."""
 HINT = "hint"
 SIGHTS: tuple[Json, ...] = tuple(
-    {"gripper": "empty", "things": [
-        {"name": name, "type": kind, "colour": colour, "x": x, "y": 0.0, "z": z, "yaw": 0.0, "size": [0.044] * 3,
-         "sigma_m": 0.001, "looks": 6, "agreeing": 6, "at_rest": True}
-        for name, kind, colour, x, z in things
-    ]}
+    {
+        "gripper": "empty",
+        "things": [
+            {
+                "name": name,
+                "type": kind,
+                "colour": colour,
+                "x": x,
+                "y": 0.0,
+                "z": z,
+                "yaw": 0.0,
+                "size": [0.044] * 3,
+                "sigma_m": 0.001,
+                "looks": 6,
+                "agreeing": 6,
+                "at_rest": True,
+            }
+            for name, kind, colour, x, z in things
+        ],
+    }
     for things in (
         (("red_cube", "cube", "red", 0.4, 0.022), ("blue_cube", "cube", "blue", 0.6, 0.022)),
         (("red_cube", "cube", "red", 0.6, 0.066), ("blue_cube", "cube", "blue", 0.6, 0.022)),
         (("red_cube", "cube", "red", 0.4, 0.022),),
         (("red_cube", "cube", "red", 0.4, 0.022), ("blue_cube", "apple", "blue", 0.6, 0.022)),
     )
-)  # fmt: skip
+)
 """What a robot may see: two cubes apart, stacked, one alone, and next to something on which nothing can rest."""
 OPTIONS = ("drive_over", "replan", "wait", "give_up")
 ACTIVITY_ENDS = ("succeeded", "failed", "unverified", "timed_out", "rejected")
@@ -344,9 +359,14 @@ def mission_documents(draw: Draw) -> Json:
     draft.targets.append(end)
     draft.connect()
     document: Json = {
-        "format": 1, "name": "generated", "version": "1.0.0", "blackboard": KEYS,
-        "events": {name: {} for name in (*EVENTS, HINT)}, "initial": begin, "states": states,
-    }  # fmt: skip
+        "format": 1,
+        "name": "generated",
+        "version": "1.0.0",
+        "blackboard": KEYS,
+        "events": {name: {} for name in (*EVENTS, HINT)},
+        "initial": begin,
+        "states": states,
+    }
     transitions: list[Json] = [{"on": "halt", "to": end}] if draw(st.booleans()) else []
     if draw(st.booleans()):
         transitions.append({"when": {"all": [{"not": {"in": end}}, {"key": "battery", "<": 0.15}]}, "to": end})

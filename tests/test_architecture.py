@@ -43,8 +43,9 @@ def test_each_room_has_a_door_that_is_there(walks: ModuleType) -> None:
     assert list(walks.closed(doors)) == []
     doors |= {"gate": (), "prove": ("rai_missions.prove:proof",)}
     assert list(walks.closed(doors)) == [
-        "the room gate has no door", "the door of prove: there is no rai_missions.prove:proof",
-    ]  # fmt: skip
+        "the room gate has no door",
+        "the door of prove: there is no rai_missions.prove:proof",
+    ]
 
 
 CHART, RUNNER = "rai_missions.engine.chart:Chart.send", "rai_missions.runtime.runner:Runner"

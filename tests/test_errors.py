@@ -46,10 +46,16 @@ def test_the_beginning_of_a_name_means_it_before_a_similar_one(word: str, meant:
 
 
 TAKERS: dict[str, Callable[[Any], object]] = {
-    "Chart": Chart, "check": check, "difference": lambda given: difference(given, given), "dump": dump,
-    "draw": lambda given: draw(given, "out.svg"), "missing": lambda given: missing(given, Robot("bench")),
-    "prove": prove, "run": lambda given: run(given), "show": show,
-}  # fmt: skip
+    "Chart": Chart,
+    "check": check,
+    "difference": lambda given: difference(given, given),
+    "dump": dump,
+    "draw": lambda given: draw(given, "out.svg"),
+    "missing": lambda given: missing(given, Robot("bench")),
+    "prove": prove,
+    "run": lambda given: run(given),
+    "show": show,
+}
 
 
 @pytest.mark.parametrize("taker", TAKERS)

@@ -80,6 +80,34 @@ def test_nothing_is_left_to_do(folder: str) -> None:
     ] == []
 
 
+def tables(text: str) -> set[int]:
+    """The last lines of the statements that give a table of literals: where the formatter would spread words."""
+    found = set[int]()
+    for node in ast.walk(parsed(text)):
+        value = getattr(node, "value", None) if isinstance(node, ast.Assign | ast.AnnAssign | ast.Return) else None
+        if isinstance(value, ast.Call) and len(value.args) == 1 and not value.keywords:
+            value = value.args[0]
+        if isinstance(value, ast.Tuple | ast.List | ast.Set | ast.Dict) and all(
+            isinstance(each, OF_TABLES) for each in ast.walk(value)
+        ):
+            found.add(getattr(node, "end_lineno", 0))
+    return found
+
+
+OF_TABLES = (ast.Constant, ast.Tuple, ast.List, ast.Set, ast.Dict, ast.UnaryOp, ast.unaryop, ast.expr_context)
+
+
+@pytest.mark.parametrize("folder", [*OURS, "missions", "benchmarks", "scripts"])
+def test_the_formatter_leaves_out_tables_of_literals_alone(folder: str) -> None:
+    assert [
+        f"{name}:{number}: let ruff format what is no table of literals"
+        for name, text in files(folder)
+        if "# fmt:" in text
+        for number, line in enumerate(text.splitlines(), start=1)
+        if "# fmt:" in line and number not in tables(text)
+    ] == []
+
+
 def test_there_are_files_to_look_at() -> None:
     assert all(any(files(folder)) for folder in FOLDERS)
 
@@ -126,10 +154,13 @@ def cuts(tree: ast.Module) -> Iterator[tuple[int, str]]:
         if isinstance(node, ast.Attribute) and node.attr in ("shorten",):
             yield node.lineno, "textwrap cuts"
         if (
-            isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Constant) and node.slice.value in (0, -1)
-            and isinstance(node.value, ast.Call) and getattr(node.value.func, "attr", "") in ("splitlines", "split")
+            isinstance(node, ast.Subscript)
+            and isinstance(node.slice, ast.Constant)
+            and node.slice.value in (0, -1)
+            and isinstance(node.value, ast.Call)
+            and getattr(node.value.func, "attr", "") in ("splitlines", "split")
             and not node.value.args
-        ):  # fmt: skip
+        ):
             yield node.lineno, "one line is taken of several"
 
 

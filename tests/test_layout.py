@@ -71,8 +71,10 @@ SHARED_NAMES = {
 }  # fmt: skip
 """A class name that several modules have → why."""
 
-PARTICIPLE = re.compile(r"(?:.*[a-df-z]ed|.*[a-z]ing|Built|Done|Found|Given|Held|Kept|Known|Made|Meant|Met|Read"
-                        r"|Seen|Sent|Shown|Taken)$")  # fmt: skip
+PARTICIPLE = re.compile(
+    r"(?:.*[a-df-z]ed|.*[a-z]ing|Built|Done|Found|Given|Held|Kept|Known|Made|Meant|Met|Read"
+    r"|Seen|Sent|Shown|Taken)$"
+)
 NOUNS = frozenset(
     ("Crossing", "Drawing", "Finding", "Meaning", "Naming", "Ordering", "Pairing", "Reading", "Recording",
      "Sighting", "Spending", "Thing"),
@@ -114,9 +116,10 @@ def test_a_class_is_named_by_a_noun() -> None:
         if isinstance(node, ast.ClassDef)
     }
     participles = {
-        name for name in names
+        name
+        for name in names
         if PARTICIPLE.match(last := re.findall(r"[A-Z][a-z]*|[a-z]+", name)[-1]) and last not in NOUNS
-    }  # fmt: skip
+    }
     assert participles - WORDS_OF_THE_FORMAT == OTHERWISE.keys()
 
 

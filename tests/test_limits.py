@@ -50,8 +50,13 @@ def test_a_test_ends_by_its_limit(tmp_path: Path, source: str, sentence: str) ->
     (tmp_path / "conftest.py").write_text("import tests.limits\ntests.limits.GRACE_S = 0.4\n")
     run = subprocess.run(
         [sys.executable, "-m", "pytest", *LOADED, "-s", "-p", "no:cacheprovider", "--timeout", "0.3", tmp_path],
-        cwd=ROOT, env=ENV, capture_output=True, text=True, timeout=60, check=False,
-    )  # fmt: skip
+        cwd=ROOT,
+        env=ENV,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
     assert run.returncode != 0
     assert sentence in run.stdout + run.stderr
     assert len(re.findall(r"example -?\d", run.stdout)) <= 1, "no other example follows"

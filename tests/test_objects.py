@@ -141,8 +141,12 @@ def first_name(node: ast.expr) -> str:
 
 def module_names(tree: ast.Module) -> set[str]:
     """The names that a module binds: by assignment, by `class`, and by `import`."""
-    names = {alias.asname or alias.name for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)
-             for alias in node.names}  # fmt: skip
+    names = {
+        alias.asname or alias.name
+        for node in tree.body
+        if isinstance(node, ast.Import | ast.ImportFrom)
+        for alias in node.names
+    }
     names |= {node.name for node in tree.body if isinstance(node, ast.ClassDef)}
     for node in tree.body:
         targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", ast.Constant(0))]
@@ -221,15 +225,18 @@ def assigned(tree: ast.Module) -> set[str]:
         found |= {
             ast.unparse(node.args[0])
             for node in nodes(function)
-            if isinstance(node, ast.Call) and ast.unparse(node.func) == "setattr"
+            if isinstance(node, ast.Call)
+            and ast.unparse(node.func) == "setattr"
             and ast.unparse(node.args[0]) not in own
-        }  # fmt: skip
+        }
         found |= {
             ast.unparse(node.value)
             for node in nodes(function)
-            if isinstance(node, ast.Attribute) and not isinstance(node.ctx, ast.Load)
-            and ast.unparse(node.value) not in own and node.attr not in ours
-        }  # fmt: skip
+            if isinstance(node, ast.Attribute)
+            and not isinstance(node.ctx, ast.Load)
+            and ast.unparse(node.value) not in own
+            and node.attr not in ours
+        }
     return found
 
 

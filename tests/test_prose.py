@@ -58,8 +58,11 @@ class Reader(ast.NodeVisitor):
                 getattr(each, "id", "") in ERRORS for each in node.args
             )
             shown = worded or (named in ("str", "tuple", "list", "sorted") and any(map(self.is_prose, node.args)))
-            return shown or named == "getMessage" or (inner is not None and named in ("lower", "strip", "casefold")
-                                                      and self.is_prose(inner))  # fmt: skip
+            return (
+                shown
+                or named == "getMessage"
+                or (inner is not None and named in ("lower", "strip", "casefold") and self.is_prose(inner))
+            )
         return False
 
     def _loop(self, target: ast.expr, over: ast.expr) -> None:

@@ -53,10 +53,30 @@ def test_it(once, number):
 def run(folder: Path, workers: int, conftest: str = HOW) -> str:
     (folder / "conftest.py").write_text(conftest)
     tried = subprocess.run(
-        [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-p", "xdist", "-q", "-n", str(workers),
-         "-c", "/dev/null", "--rootdir", str(folder), str(folder)],
-        cwd=ROOT, env=ENV, capture_output=True, text=True, timeout=120, check=False,
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-p",
+            "no:cacheprovider",
+            "-p",
+            "xdist",
+            "-q",
+            "-n",
+            str(workers),
+            "-c",
+            "/dev/null",
+            "--rootdir",
+            str(folder),
+            str(folder),
+        ],
+        cwd=ROOT,
+        env=ENV,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
     return tried.stdout
 
 

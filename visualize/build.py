@@ -102,9 +102,7 @@ def parents_of(mission: Mission) -> dict[str, str]:
     return found
 
 
-def _node(
-    place: str, name: str, state: State, parents: dict[str, str], run: _Run, ended: set[str]
-) -> PictureNode:  # fmt: skip
+def _node(place: str, name: str, state: State, parents: dict[str, str], run: _Run, ended: set[str]) -> PictureNode:
     parent = parents.get(name, "")
     asked = state.decisions().get("")
     return PictureNode(

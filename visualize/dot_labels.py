@@ -39,7 +39,7 @@ NOTES = 12
 
 def text(
     given: str, size: float = 10, *, bold: bool = False, color: str = INK, limit: float = LINE, name: str = ""
-) -> str:  # fmt: skip
+) -> str:
     """A row with a cell that holds a text, broken into lines of at most `limit` points; `name` is its id in an SVG."""
     broken = wrapped(given, size, limit, bold=bold)
     if not "".join(broken).strip():

@@ -88,12 +88,24 @@ class _Sheet:
     def lines(self, dpi: int | None) -> Iterator[str]:
         run, small = bool(self.picture.steps), self.small
         graph = attributes(
-            rankdir="TB", compound="true", newrank="true" if small else None, fontname=FONT, nodesep=0.35,
-            ranksep=0.55, pad=0.3, labelloc="t", labeljust="l", label=title_table(self.picture),
-            bgcolor="#FFFFFF", dpi=dpi, outputorder="edgesfirst",
+            rankdir="TB",
+            compound="true",
+            newrank="true" if small else None,
+            fontname=FONT,
+            nodesep=0.35,
+            ranksep=0.55,
+            pad=0.3,
+            labelloc="t",
+            labeljust="l",
+            label=title_table(self.picture),
+            bgcolor="#FFFFFF",
+            dpi=dpi,
+            outputorder="edgesfirst",
             splines=None if small else "polyline",
-            nslimit=None if small else 2, nslimit1=None if small else 2, mclimit=None if small else 0.2,
-        )  # fmt: skip
+            nslimit=None if small else 2,
+            nslimit1=None if small else 2,
+            mclimit=None if small else 0.2,
+        )
         yield f"digraph {quoted(self.picture.name)} {{"
         yield f"  graph {graph};"
         yield f"  node {attributes(fontname=FONT, fontsize=10, color=MUTED, fontcolor=INK, margin='0.08,0.05')};"
@@ -119,11 +131,17 @@ class _Sheet:
         look = look_of(node)
         line = MARKS[node.mark][1] if node.mark else "dashed" if node.region else ""
         given = attributes(
-            label=cluster_table(node, self.staying[node.name]), labeljust="l", labelloc="t", margin=10,
-            fillcolor=look.fill, style=f"rounded,filled,{line}" if line else "rounded,filled",
+            label=cluster_table(node, self.staying[node.name]),
+            labeljust="l",
+            labelloc="t",
+            margin=10,
+            fillcolor=look.fill,
+            style=f"rounded,filled,{line}" if line else "rounded,filled",
             color=MARKS[node.mark][0] if node.mark else look.pen,
-            penwidth=_pen(node.entered, node.mark, 1.2), id=node.place, tooltip=_tip(node),
-        )  # fmt: skip
+            penwidth=_pen(node.entered, node.mark, 1.2),
+            id=node.place,
+            tooltip=_tip(node),
+        )
         yield f"{indent}subgraph {quoted('cluster_' + node.name)} {{"
         yield f"{indent}  graph {given};"
         if self.begins[node.name] or (node.kind == "parallel" and not self.children[node.name]):
@@ -149,19 +167,29 @@ class _Sheet:
             return attributes(shape="plain", label=label, id=node.place, tooltip=_tip(node))
         style = "filled,rounded" if look.rounded and look.shape == "box" else "filled"
         return attributes(
-            shape=look.shape, style=f"{style},{MARKS[node.mark][1]}" if node.mark else style, fillcolor=look.fill,
-            color=MARKS[node.mark][0] if node.mark else look.pen, penwidth=_pen(node.entered, node.mark, 1.4),
-            peripheries=2 if node.kind == "final" else None, label=state_table(node, staying), id=node.place,
-            tooltip=_tip(node), margin="0.02" if node.kind in ("history", "final") else None,
-        )  # fmt: skip
+            shape=look.shape,
+            style=f"{style},{MARKS[node.mark][1]}" if node.mark else style,
+            fillcolor=look.fill,
+            color=MARKS[node.mark][0] if node.mark else look.pen,
+            penwidth=_pen(node.entered, node.mark, 1.4),
+            peripheries=2 if node.kind == "final" else None,
+            label=state_table(node, staying),
+            id=node.place,
+            tooltip=_tip(node),
+            margin="0.02" if node.kind in ("history", "final") else None,
+        )
 
     def _begin(self, initial: Initial) -> str:
         source = f"{initial.parent}#begin" if initial.parent else START
         tip = f"{initial.parent or self.picture.name} begins with {initial.target}"
         given = attributes(
-            lhead=self._border(initial.target), weight=3, tooltip=tip, color=INK,
-            penwidth=_pen(initial.taken, "", 1.0), arrowhead="vee",
-        )  # fmt: skip
+            lhead=self._border(initial.target),
+            weight=3,
+            tooltip=tip,
+            color=INK,
+            penwidth=_pen(initial.taken, "", 1.0),
+            arrowhead="vee",
+        )
         return f"{quoted(source)} -> {quoted(self._inlet(initial.target))} {given}"
 
     def _edge(self, edge: PictureEdge) -> str:
@@ -169,12 +197,17 @@ class _Sheet:
         bold = edge.taken.times > 0
         pen, style, _ = MARKS[edge.mark] if edge.mark else (INK if bold else "", "", "")
         given = attributes(
-            label=edge_table(edge, short=not edge.source), ltail=ltail,
-            lhead=None if self._nested(edge) else self._border(edge.target), color=pen, style=style,
+            label=edge_table(edge, short=not edge.source),
+            ltail=ltail,
+            lhead=None if self._nested(edge) else self._border(edge.target),
+            color=pen,
+            style=style,
             penwidth=_pen(edge.taken, edge.mark, 1.0),
-            arrowsize=1.0 if bold else None, tooltip=_edge_tip(edge), id=f"{edge.place}>{edge.target}",
+            arrowsize=1.0 if bold else None,
+            tooltip=_edge_tip(edge),
+            id=f"{edge.place}>{edge.target}",
             constraint="false" if self._is_history(edge.target) else None,
-        )  # fmt: skip
+        )
         return f"{tail} -> {quoted(self._inlet(edge.target))} {given}"
 
     def _tail(self, edge: PictureEdge) -> tuple[str, str | None]:

@@ -50,6 +50,7 @@ def raster(svg: bytes, dpi: int) -> bytes | None:
         log.warning(
             "no font on this machine has %d of the characters of this picture, which are boxes in the PNG: %s;"
             " install a font that has them (on Debian: apt-get install fonts-noto), or draw an .svg",
-            len(lacking), some,
-        )  # fmt: skip
+            len(lacking),
+            some,
+        )
     return ended.stdout

@@ -85,10 +85,12 @@ MARKS: Mapping[str, tuple[str, str, str]] = {
 """Mark → pen, line style, word."""
 
 ADVANCES = {
-    **dict.fromkeys(map(chr, range(128)), 0.64), **dict.fromkeys("ABCDEFGHIJKLMNOPQRSTUVWXYZ", 0.74),
-    **dict.fromkeys("ijl|.,:;'!` \u00a0", 0.34), **dict.fromkeys('ftrI()[]{}/\\-"*', 0.46),
+    **dict.fromkeys(map(chr, range(128)), 0.64),
+    **dict.fromkeys("ABCDEFGHIJKLMNOPQRSTUVWXYZ", 0.74),
+    **dict.fromkeys("ijl|.,:;'!` \u00a0", 0.34),
+    **dict.fromkeys('ftrI()[]{}/\\-"*', 0.46),
     **dict.fromkeys("mwMW@%&", 1.0),
-}  # fmt: skip
+}
 """How far a character takes a line, in ems: DejaVu Sans, the widest of the fonts, rounded up."""
 UNDRAWN = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 """What no XML document may hold, and marks that would turn the reading direction of what follows."""

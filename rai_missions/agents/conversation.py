@@ -80,10 +80,16 @@ class ConversationalAgent:
     """
 
     def __init__(
-        self, settings: Settings = SETTINGS, *, model: TalkModel | None = None, library: Library | None = None,
-        doors: Sequence[TalkDoor] = (), robot: RobotWords = NO_ROBOT, start: StartRun | None = None,
+        self,
+        settings: Settings = SETTINGS,
+        *,
+        model: TalkModel | None = None,
+        library: Library | None = None,
+        doors: Sequence[TalkDoor] = (),
+        robot: RobotWords = NO_ROBOT,
+        start: StartRun | None = None,
         now: Callable[[], float] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         requests = settings.requests if start is not None else "refuse"
         self._settings = settings._replace(
             has_model=model is not None, has_documents=library is not None, requests=requests
@@ -204,9 +210,15 @@ class ConversationalAgent:
     # -- people ----------------------------------------------------------------------------------------------
 
     def receive(
-        self, text: str, *, role: Role, channel: str, author: str = "", readings: tuple[str, ...] = (),
+        self,
+        text: str,
+        *,
+        role: Role,
+        channel: str,
+        author: str = "",
+        readings: tuple[str, ...] = (),
         message_id: str = "",
-    ) -> str:  # fmt: skip
+    ) -> str:
         """A person's sentence, from any thread; why it is not taken, or empty. A secret in it is hidden here.
 
         Args:
@@ -349,9 +361,16 @@ class ConversationalAgent:
 
     def _speak(self, speech: Speech) -> None:
         line = TalkLine(
-            self._next(), "robot", speech.text, channel=speech.to, way=speech.way, priority=speech.priority,
-            at=self._now(), repeated=speech.repeated, report=speech.report,
-        )  # fmt: skip
+            self._next(),
+            "robot",
+            speech.text,
+            channel=speech.to,
+            way=speech.way,
+            priority=speech.priority,
+            at=self._now(),
+            repeated=speech.repeated,
+            report=speech.report,
+        )
         self._lines[speech.key] = line
 
         def on_end(result: SpeechResult) -> None:

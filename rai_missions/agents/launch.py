@@ -186,9 +186,15 @@ def _made(
     new = NewRun(header.arguments, config.named, run=header.run, moved_aside=moved_aside, waits=config.waits)
     continued = resumed and resumed.resumption._replace(fresh=environment.world is not None, waits=config.waits)
     runner = Runner(
-        plan.mission, robot=plan.robot, connector=reached, clock=environment.clock, answerers=answerers,
-        journal=journal, begin=continued or new, observer=observer,
-    )  # fmt: skip
+        plan.mission,
+        robot=plan.robot,
+        connector=reached,
+        clock=environment.clock,
+        answerers=answerers,
+        journal=journal,
+        begin=continued or new,
+        observer=observer,
+    )
     return PreparedRun(
         plan, environment, runner, answerers, recording, journal, moved_aside, closing.pop_all(), reached
     )
@@ -273,9 +279,10 @@ def _open_recording(
     from rai_missions.recording import Recording
 
     about = {
-        "robot": plan.robot.name if plan.robot is not None else "", "run": header.run,
+        "robot": plan.robot.name if plan.robot is not None else "",
+        "run": header.run,
         "versions": versions() | dict(header.versions),
-    }  # fmt: skip
+    }
     of_ros = isinstance(connector, SupportsRawMessages)  # its messages are kept as they are, with their definitions
     recording = Recording.create(
         path,

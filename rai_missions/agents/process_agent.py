@@ -57,9 +57,14 @@ class ProcessAgent:
         self._lines.clear()
         self._is_stopped = False
         process = subprocess.Popen(
-            self._command, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, errors="replace",
-            start_new_session=True, env=dict(self._environment) if self._environment is not None else None,
-        )  # fmt: skip
+            self._command,
+            stdin=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+            errors="replace",
+            start_new_session=True,
+            env=dict(self._environment) if self._environment is not None else None,
+        )
         self._process, self._is_clean = process, False
         self._reader = threading.Thread(target=self._read, args=(process,), name="agent's errors", daemon=True)
         self._reader.start()

@@ -47,9 +47,14 @@ class AgentRunner:
     """
 
     def __init__(
-        self, agents: Mapping[str, Agent], *, connector: Connector | None = None, name: str = "agents",
-        start_s: float = 30.0, stop_s: float = 3.0,
-    ) -> None:  # fmt: skip
+        self,
+        agents: Mapping[str, Agent],
+        *,
+        connector: Connector | None = None,
+        name: str = "agents",
+        start_s: float = 30.0,
+        stop_s: float = 3.0,
+    ) -> None:
         if not isinstance(agents, Mapping):
             raise UsageError(f'agents are given by their names, {{"lamp": Lamp()}}, not as {shown(agents)}')
         if wrong := [f"'{each}': {why}" for each, agent in agents.items() if (why := why_no_agent(agent))]:

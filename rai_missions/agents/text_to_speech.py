@@ -62,11 +62,19 @@ class TextToSpeech:
     """
 
     def __init__(
-        self, sound: SoundConnector, hri: HRIConnector | None = None, *, topic: str = TO_HUMAN, voice: str = "flite",
-        language: str = "en", on_end: Callable[[str, SpokenEnd], object] = lambda key, how: None,
+        self,
+        sound: SoundConnector,
+        hri: HRIConnector | None = None,
+        *,
+        topic: str = TO_HUMAN,
+        voice: str = "flite",
+        language: str = "en",
+        on_end: Callable[[str, SpokenEnd], object] = lambda key, how: None,
         on_message_end: Callable[[str, SpokenEnd], object] = lambda text, how: None,
-        on_fault: Callable[[str], object] | None = None, patience_s: float = 5.0, last_words_s: float = 0.0,
-    ) -> None:  # fmt: skip
+        on_fault: Callable[[str], object] | None = None,
+        patience_s: float = 5.0,
+        last_words_s: float = 0.0,
+    ) -> None:
         self._last_words_s, self._is_quiet = last_words_s, threading.Event()
         self._sound, self._hri, self._topic = sound, hri, topic
         self._on_end, self._on_message_end = on_end, on_message_end

@@ -40,12 +40,17 @@ class VoiceRecognition:
     """
 
     def __init__(
-        self, sound: SoundConnector, hri: HRIConnector | None = None, *, topic: str = FROM_HUMAN,
-        names: ListenNames = NAMES, settings: ListenSettings = SETTINGS,
+        self,
+        sound: SoundConnector,
+        hri: HRIConnector | None = None,
+        *,
+        topic: str = FROM_HUMAN,
+        names: ListenNames = NAMES,
+        settings: ListenSettings = SETTINGS,
         on_transcript: Callable[[Transcript], object] = lambda transcript: None,
         on_present: Callable[[float], object] = lambda at: None,
         on_fault: Callable[[str], object] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._sound, self._hri, self._topic, self._names, self._settings = sound, hri, topic, names, settings
         self._on_transcript, self._on_present, self._on_fault = on_transcript, on_present, on_fault
         self._lock = threading.Lock()
@@ -58,9 +63,12 @@ class VoiceRecognition:
             if self._recognition is not None:
                 return
             self._recognition = open_recognition(
-                self._names, self._settings, on_transcript=self._take, on_present=self._on_present,
+                self._names,
+                self._settings,
+                on_transcript=self._take,
+                on_present=self._on_present,
                 on_fault=self._on_fault,
-            )  # fmt: skip
+            )
             self._close = self._sound.listen(self._recognition.listener.take)
 
     def stop(self) -> None:

@@ -44,9 +44,7 @@ def shown_question(question: Question, body: RobotView, order: str) -> Question:
     names = ordered([each.name for each in question.options], order)
     offers = {each.name: each for each in question.options}
     quotes = tuple(Evidence("documents", quote, 0.0, True) for quote in body.documents)
-    return question._replace(
-        options=tuple(offers[name] for name in names), evidence=question.evidence + quotes
-    ).apart()  # fmt: skip
+    return question._replace(options=tuple(offers[name] for name in names), evidence=question.evidence + quotes).apart()
 
 
 def question_record(asked: AskedScene, embodiment: str, body: RobotView) -> QuestionRecord:
@@ -58,9 +56,13 @@ def question_record(asked: AskedScene, embodiment: str, body: RobotView) -> Ques
     options = [each.name for each in question.options]
     permitted = [name for name in options if _judged(asked, CellReply({"option": name})).accepted]
     return QuestionRecord(
-        asked.scene.scene, embodiment, redacted("\n\n".join(each.text for each in messages)),
-        json.dumps(Redaction().json(asked.facts)), json.dumps(options), json.dumps(permitted),
-    )  # fmt: skip
+        asked.scene.scene,
+        embodiment,
+        redacted("\n\n".join(each.text for each in messages)),
+        json.dumps(Redaction().json(asked.facts)),
+        json.dumps(options),
+        json.dumps(permitted),
+    )
 
 
 class CellAsker(NamedTuple):
@@ -126,10 +128,14 @@ class CellAsker(NamedTuple):
         cost = (used.tokens_in * price.prompt + used.tokens_out * price.completion) / MILLION
         return graded(
             record._replace(
-                prompt_tokens=used.tokens_in, completion_tokens=used.tokens_out, calls=used.calls,
-                latency_s=round(latency_s, 6), cost=cost,
-            ), labels if self._is_tried(reply) else {},
-        )  # fmt: skip
+                prompt_tokens=used.tokens_in,
+                completion_tokens=used.tokens_out,
+                calls=used.calls,
+                latency_s=round(latency_s, 6),
+                cost=cost,
+            ),
+            labels if self._is_tried(reply) else {},
+        )
 
     def _is_tried(self, reply: CellReply) -> bool:
         tried = self.file.rollouts.parameters
@@ -137,9 +143,12 @@ class CellAsker(NamedTuple):
 
     def _reply(self, cell: Cell, question: Question, asked: AskedScene, labels: Mapping[str, str]) -> CellReply:
         return self.models.ask(
-            cell.model, question, asked, labels=labels,
+            cell.model,
+            question,
+            asked,
+            labels=labels,
             embodiment=(cell.embodiment, self.bodies[cell.embodiment]),
-        )  # fmt: skip
+        )
 
     def _waits(self, model: str, at_least_s: float) -> bool:
         """Wait as long as the rate of a provider demands; whether the campaign is over by then."""
@@ -176,10 +185,12 @@ def _record(key: str, cell: Cell, reply: CellReply, asked: AskedScene) -> CellRe
         verdict = _judged(asked, reply)
         why = answer.get("why", "")
         return record._replace(
-            status="answered", option=cut(option, 100), permitted=int(verdict.accepted),
+            status="answered",
+            option=cut(option, 100),
+            permitted=int(verdict.accepted),
             reason=cut(why, LONGEST) if isinstance(why, str) else "",
             error="" if verdict.accepted else cut(verdict.why, LONGEST),
-        )  # fmt: skip
+        )
     error = str(answer.get("absent", answer.get("failed", "no answer")))
     failed = bool(reply.raised) or "absent" in answer
     return record._replace(status="failed" if failed else "no_answer", error=cut(error, LONGEST))

@@ -60,9 +60,11 @@ def with_use_of(record: CellRecord, earlier: CellRecord) -> CellRecord:
         earlier: The same cell, which had failed.
     """
     return record._replace(
-        calls=record.calls + earlier.calls, prompt_tokens=record.prompt_tokens + earlier.prompt_tokens,
-        completion_tokens=record.completion_tokens + earlier.completion_tokens, cost=record.cost + earlier.cost,
-    )  # fmt: skip
+        calls=record.calls + earlier.calls,
+        prompt_tokens=record.prompt_tokens + earlier.prompt_tokens,
+        completion_tokens=record.completion_tokens + earlier.completion_tokens,
+        cost=record.cost + earlier.cost,
+    )
 
 
 class CallPace:

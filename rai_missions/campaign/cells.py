@@ -54,9 +54,12 @@ class Cell(NamedTuple):
 
 
 def cells_of(
-    mission: str, scenes: Sequence[tuple[str, int]], models: Sequence[str], embodiments: Sequence[str],
+    mission: str,
+    scenes: Sequence[tuple[str, int]],
+    models: Sequence[str],
+    embodiments: Sequence[str],
     orders: Sequence[str],
-) -> Iterator[Cell]:  # fmt: skip
+) -> Iterator[Cell]:
     """Every cell of a campaign over one mission, in the order in which they are asked.
 
     Scenes come last in the product and so change first: a campaign that is stopped early has asked every model, as

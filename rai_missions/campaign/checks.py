@@ -141,7 +141,7 @@ def _of_rollouts(file: CampaignFile, subject: CampaignSubject) -> Iterator[Fault
 
 def _of_later(
     place: tuple[str | int, ...], later: Mapping[str, Mapping[str, str]], asking: Mapping[str, DecisionSpec]
-) -> Iterator[Fault]:  # fmt: skip
+) -> Iterator[Fault]:
     """What is wrong with the answers to later questions at a place of the file."""
     known = sorted({each for spec in asking.values() for each in spec.ask})
     for who, answers in later.items():

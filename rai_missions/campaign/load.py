@@ -41,10 +41,15 @@ class LoadedCampaign(NamedTuple):
     def digest(self) -> str:
         """Of what the answers depend on beyond scene, model, embodiment and code: mission, profile and arguments."""
         mission, robot = self.subject.mission.written(), self.subject.robot.written()
-        return digest({
-            "mission": mission, "robot": robot, "arguments": dict(self.file.arguments), "answer_s": self.file.answer_s,
-            "rollouts": self.file.rollouts.written(),
-        })  # fmt: skip
+        return digest(
+            {
+                "mission": mission,
+                "robot": robot,
+                "arguments": dict(self.file.arguments),
+                "answer_s": self.file.answer_s,
+                "rollouts": self.file.rollouts.written(),
+            }
+        )
 
 
 def load_campaign(path: str | os.PathLike[str], *, models: Iterable[str] = ()) -> LoadedCampaign:

@@ -88,9 +88,13 @@ class CampaignModels:
     """
 
     def __init__(
-        self, file: CampaignFile, robot: Robot, keys: Mapping[str, Key], *,
+        self,
+        file: CampaignFile,
+        robot: Robot,
+        keys: Mapping[str, Key],
+        *,
         open_chat: Callable[[str], Chat] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._file, self._keys = file, keys
         self._rules = {state: [(rule.when, rule.answer) for rule in rules] for state, rules in robot.rules.items()}
         self._open_chat = open_chat or _chat_process
@@ -116,9 +120,14 @@ class CampaignModels:
             self._agent(model, embodiment)[0].wait_until_open(question)
 
     def ask(
-        self, model: str, question: Question, asked: AskedScene, *, labels: Mapping[str, str],
+        self,
+        model: str,
+        question: Question,
+        asked: AskedScene,
+        *,
+        labels: Mapping[str, str],
         embodiment: tuple[str, RobotView],
-    ) -> CellReply:  # fmt: skip
+    ) -> CellReply:
         """Put a question to a model and wait for the answer.
 
         Args:

@@ -161,18 +161,24 @@ class PoolWorker:
         self, settings: WorkSettings, messages: queue.SimpleQueue[tuple[PoolWorker, Mapping[str, Any] | None]]
     ) -> None:
         first = {
-            "settings": list(settings), "environment": variables(secret=True),
-            "path": [os.path.abspath(entry) for entry in sys.path], "secrets": secrets_held(),
-        }  # fmt: skip
+            "settings": list(settings),
+            "environment": variables(secret=True),
+            "path": [os.path.abspath(entry) for entry in sys.path],
+            "secrets": secrets_held(),
+        }
         self.task: SceneTask | None = None
         self.done: set[str] = set()
         """Keys of the cells of its task that have a record."""
         self.deaths = self.pid = 0
         self._number, self._pieces = 0, list[bytes]()
         self.life = ProcessLife(
-            "campaign", WORK, first, MEMORY_BYTES,
-            on_message=lambda message: messages.put((self, message)), on_end=partial(messages.put, (self, None)),
-        )  # fmt: skip
+            "campaign",
+            WORK,
+            first,
+            MEMORY_BYTES,
+            on_message=lambda message: messages.put((self, message)),
+            on_end=partial(messages.put, (self, None)),
+        )
         self.life.start()
 
     def give(self, task: SceneTask) -> None:

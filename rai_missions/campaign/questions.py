@@ -160,9 +160,12 @@ def ask_in(scene: SceneRecord, subject: CampaignSubject, *, longest_s: float = L
     seeker = QuestionSeeker(chart, subject.decision, longest_s)
     waiting = WaitingAnswerer()
     config = RunConfig(
-        subject.mission, robot, subject.arguments, answerers=dict.fromkeys(subject.asked, waiting),
+        subject.mission,
+        robot,
+        subject.arguments,
+        answerers=dict.fromkeys(subject.asked, waiting),
         on_step=seeker.follow,
-    )  # fmt: skip
+    )
     with prepare(config) as prepared:
         seeker.runner = prepared.runner
         seeker.world = prepared.world if isinstance(prepared.world, Branchable) else None

@@ -92,9 +92,12 @@ class RayPool:
         words: dict[str, Any] = {"address": address} if address else {"address": "local", "num_cpus": settings.workers}
         try:
             ray.init(
-                **words, include_dashboard=False, log_to_driver=False, logging_level="error",
+                **words,
+                include_dashboard=False,
+                log_to_driver=False,
+                logging_level="error",
                 runtime_env={"env_vars": {"PYTHONPATH": os.pathsep.join(filter(None, map(os.path.abspath, sys.path)))}},
-            )  # fmt: skip
+            )
         except Exception as error:  # whatever Ray raises, the caller named the cluster
             raise UsageError(f"Ray cannot be reached at '{address or 'this machine'}': {first_line(error)}") from error
 

@@ -131,9 +131,13 @@ class Rollout(NamedTuple):
 
 
 def rollouts(
-    decision: OpenDecision, options: tuple[str, ...] = (), *, later: Mapping[str, Answerer] | None = None,
-    parameters: Mapping[str, Mapping[str, Any]] | None = None, longest_s: float = LONGEST_S,
-) -> dict[str, Rollout]:  # fmt: skip
+    decision: OpenDecision,
+    options: tuple[str, ...] = (),
+    *,
+    later: Mapping[str, Answerer] | None = None,
+    parameters: Mapping[str, Mapping[str, Any]] | None = None,
+    longest_s: float = LONGEST_S,
+) -> dict[str, Rollout]:
     """What comes of each option.
 
     Args:
@@ -151,9 +155,14 @@ def rollouts(
 
 
 def rollout(
-    decision: OpenDecision, option: str, *, later: Mapping[str, Answerer] | None = None,
-    parameters: Mapping[str, Any] | None = None, longest_s: float = LONGEST_S, renders: bool = False,
-) -> Rollout:  # fmt: skip
+    decision: OpenDecision,
+    option: str,
+    *,
+    later: Mapping[str, Answerer] | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    longest_s: float = LONGEST_S,
+    renders: bool = False,
+) -> Rollout:
     """What comes of one option, on a branch of the world, until the mission ends, harm is done, or someone is asked.
 
     Args:
@@ -177,10 +186,14 @@ def rollout(
     branch = WatchedBranch(world, option, longest_s, offered=offered, answers_more=bool(later))
     try:
         runner = Runner(
-            chart.mission, robot=decision.robot, connector=branch.connector, answerers=later,
-            clock=SimulatedClock(branch), begin=_continued(chart, decision.run),
+            chart.mission,
+            robot=decision.robot,
+            connector=branch.connector,
+            answerers=later,
+            clock=SimulatedClock(branch),
+            begin=_continued(chart, decision.run),
             observer=RunObserver(on_step=branch.follow),
-        )  # fmt: skip
+        )
         branch.end_run = lambda: runner.kill("the rollout is over")
         runner.answer(question.number, option, parameters, by=question.asked)
         result = runner.run()
@@ -202,9 +215,7 @@ class WatchedBranch:
         answers_more: Later questions are answered.
     """
 
-    def __init__(
-        self, world: Branchable, option: str, longest_s: float, *, offered: bool, answers_more: bool
-    ) -> None:  # fmt: skip
+    def __init__(self, world: Branchable, option: str, longest_s: float, *, offered: bool, answers_more: bool) -> None:
         self.world, self.period_s = world, world.period_s
         self._option, self._offered = option, offered
         self.connector = LocalConnector(now=lambda: world.at)
@@ -254,10 +265,17 @@ class WatchedBranch:
         harm = self._new_harm()
         verdict: OptionVerdict = "harms" if harm else "completes" if outcome == "succeeded" else "harmless"
         return Rollout(
-            self._option, verdict, self._ending, self._offered, outcome, harm or why, (),
-            round(self.world.at - self._began, 3), round(self.world.work_done() - self._work, 6),
+            self._option,
+            verdict,
+            self._ending,
+            self._offered,
+            outcome,
+            harm or why,
+            (),
+            round(self.world.at - self._began, 3),
+            round(self.world.work_done() - self._work, 6),
             dict(self.world.measures()),
-        )  # fmt: skip
+        )
 
     def rollout(self, *, outcome: str, why: str, states: tuple[str, ...]) -> Rollout:
         """What came of it, once the run has ended.

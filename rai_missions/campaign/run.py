@@ -137,10 +137,14 @@ def plan_of(loaded: LoadedCampaign) -> CampaignPlan:
 
 
 def run_campaign(
-    loaded: LoadedCampaign, store: ResultStore, settings: WorkSettings, *,
-    open_pool: Callable[[WorkSettings], TaskPool] = LocalPool, labels_alone: bool = False,
+    loaded: LoadedCampaign,
+    store: ResultStore,
+    settings: WorkSettings,
+    *,
+    open_pool: Callable[[WorkSettings], TaskPool] = LocalPool,
+    labels_alone: bool = False,
     on_progress: Callable[[Progress], None] = lambda progress: None,
-) -> CampaignResult:  # fmt: skip
+) -> CampaignResult:
     """Ask what is missing in a store, until all is asked or the budget is spent.
 
     Args:
@@ -222,9 +226,15 @@ class Intake:
     """
 
     def __init__(
-        self, store: ResultStore, spending: Spending, on_progress: Callable[[Progress], None], done: int, total: int, *,
+        self,
+        store: ResultStore,
+        spending: Spending,
+        on_progress: Callable[[Progress], None],
+        done: int,
+        total: int,
+        *,
         counts: type[CellRecord | LabelRecord] = CellRecord,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._store, self._spending, self._on_progress = store, spending, on_progress
         self._before, self._total, self._counts = done, total, counts
         self._new = set[str]()
@@ -328,9 +338,11 @@ def _note_campaign(loaded: LoadedCampaign, plan: CampaignPlan, store: ResultStor
         tuple(name for name, each in plan.embodiments.items() if known.get(name, each) != each),
     )
     values = {
-        **now, "file": Redaction().json(loaded.file.written()), "currency": loaded.file.currency,
+        **now,
+        "file": Redaction().json(loaded.file.written()),
+        "currency": loaded.file.currency,
         "embodiments": {**known, **plan.embodiments},
-    }  # fmt: skip
+    }
     store.begin(plan.scenes, values, outdated=outdated)
 
 

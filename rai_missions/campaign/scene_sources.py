@@ -87,7 +87,7 @@ class ScenesEntry(MissionModel):
 
     def _made(
         self, scene: str, kind: str, seed: int, split: Split, options: Any, later: Mapping[str, Any] | None = None
-    ) -> SceneRecord:  # fmt: skip
+    ) -> SceneRecord:
         spec = scene_spec(self.world, options, later or {})
         return SceneRecord(scene, self.world, kind, seed, split, json.dumps(spec, sort_keys=True))
 

@@ -23,8 +23,9 @@ __all__ = ("CampaignScene", "scene", "scenes", "split_of")
 
 Drawn = tuple[str, dict[str, Any], dict[str, Any]]
 GENERATORS: Mapping[str, Callable[[int], Drawn]] = {
-    "orchard": lambda seed: (*orchard_scene(seed), {}), "house": house_scene,
-}  # fmt: skip
+    "orchard": lambda seed: (*orchard_scene(seed), {}),
+    "house": house_scene,
+}
 """World → from a seed, the kind of what is in the way, the options that the world is built with, and who answers later
 questions of a rollout there."""
 

@@ -52,9 +52,12 @@ class LostParts(NamedTuple):
 
 
 RECORDS: Mapping[str, type[Any]] = {
-    "scene": SceneRecord, "label": LabelRecord, "question": QuestionRecord, "picture": PictureRecord,
+    "scene": SceneRecord,
+    "label": LabelRecord,
+    "question": QuestionRecord,
+    "picture": PictureRecord,
     "cell": CellRecord,
-}  # fmt: skip
+}
 KEYS: Mapping[str, tuple[str, ...]] = {
     "scene": ("scene",), "label": ("scene", "option"), "question": ("scene", "embodiment"),
     "picture": ("scene", "name"), "cell": ("cell",),

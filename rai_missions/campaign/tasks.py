@@ -154,9 +154,12 @@ class Workplace:
         later = {**wanted.later, **later_of(asked.scene.spec)}
         try:
             found = rollouts(
-                asked.decision, self._subject.options, later=answers_of(later, self._subject.mission),
-                parameters=wanted.parameters, longest_s=wanted.longest_s,
-            )  # fmt: skip
+                asked.decision,
+                self._subject.options,
+                later=answers_of(later, self._subject.mission),
+                parameters=wanted.parameters,
+                longest_s=wanted.longest_s,
+            )
         except UsageError as error:  # an option cannot be tried here, so none has a label
             yield UnlabelledScene(asked.scene.scene, str(error))
             return
@@ -197,6 +200,4 @@ def _failed(task: SceneTask, error: str) -> Iterator[CellRecord | UnlabelledScen
 def _recorded(path: Path) -> Mapping[Cell, CellRecord]:
     """The cells of a store that were answered."""
     with ResultStore(path) as store:
-        return {
-            Cell(*each[1:7]): each for each in store.cells() if each.status != "failed" and each.raw
-        }  # fmt: skip
+        return {Cell(*each[1:7]): each for each in store.cells() if each.status != "failed" and each.raw}

@@ -56,7 +56,7 @@ def work(request_fd: int, reply_fd: int) -> None:
 
 def _take_orders(
     request_fd: int, orders: queue.SimpleQueue[Mapping[str, Any] | None], is_over: threading.Event
-) -> None:  # fmt: skip
+) -> None:
     while (order := read_frame(request_fd)) is not None:
         if order[0]["do"] == "stop":
             is_over.set()
@@ -68,7 +68,7 @@ def _take_orders(
 
 def _do_tasks(
     settings: list[Any], orders: queue.SimpleQueue[Mapping[str, Any] | None], is_over: threading.Event, reply_fd: int
-) -> None:  # fmt: skip
+) -> None:
     from rai_missions.campaign.tasks import Workplace, WorkSettings
     from rai_missions.errors import MissionError
     from rai_missions.redaction import cut

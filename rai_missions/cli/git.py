@@ -125,9 +125,11 @@ def _put(path: Path, data: bytes) -> None:
 def _git(folder: Path, *words: str) -> bytes:
     try:
         done = subprocess.run(
-            ["git", *ALONE, "-C", str(folder), *words], capture_output=True, check=False,
+            ["git", *ALONE, "-C", str(folder), *words],
+            capture_output=True,
+            check=False,
             env={**os.environ, "GIT_NO_LAZY_FETCH": "1", "GIT_TERMINAL_PROMPT": "0"},
-        )  # fmt: skip
+        )
     except FileNotFoundError:
         raise UsageError("there is no git on this machine; give two files instead: diff OLD NEW") from None
     if done.returncode:

@@ -74,9 +74,11 @@ def write_journals(proof: Proof, mission: Mission, robot: Robot | None, output: 
         profile, of_robot = dump_profile(robot), terms(robot)
     for name, scenes in proof.ways.items():
         arguments = {
-            key: value for scene in scenes[:1] for key, value in scene.facts.items()
+            key: value
+            for scene in scenes[:1]
+            for key, value in scene.facts.items()
             if mission.blackboard[key].source == "argument"
-        }  # fmt: skip
+        }
         whole = "" if mission.behaviours() else dump(mission)
         header = Header(whole, profile, arguments, versions=mission.packages())
         path = _path(output, mission, name, only=len(proof.ways) == 1)
@@ -194,12 +196,23 @@ def as_json(mission: Mission, proof: Proof, journals: dict[str, Any]) -> dict[st
     """The same for programs."""
     claims = [
         {
-            "claim": each.name, "words": each.words, "verdict": each.verdict, "sentence": each.sentence,
-            "run": [{"happens": scene.words, "facts": plain(scene.facts), "active": sorted(scene.active),
-                     "outcome": scene.outcome, "why": scene.why} for scene in proof.ways.get(each.name, ())],
+            "claim": each.name,
+            "words": each.words,
+            "verdict": each.verdict,
+            "sentence": each.sentence,
+            "run": [
+                {
+                    "happens": scene.words,
+                    "facts": plain(scene.facts),
+                    "active": sorted(scene.active),
+                    "outcome": scene.outcome,
+                    "why": scene.why,
+                }
+                for scene in proof.ways.get(each.name, ())
+            ],
             **journals.get(each.name, {}),
         }
         for each in proof.claims
-    ]  # fmt: skip
+    ]
     counts = {name: getattr(proof, name) for name in FIELDS}
     return {"mission": mission.name, "version": mission.version, "verdict": proof.verdict, **counts, "claims": claims}

@@ -23,7 +23,7 @@ LAST_WORDS_S = 20.0
 
 def serve_voice(
     sound: SoundConnector, names: ListenNames, *, voice: str, language: str, domain: int | None, below: str = ""
-) -> int:  # fmt: skip
+) -> int:
     """Listen and speak until an interrupt; returns the exit status.
 
     Args:
@@ -43,9 +43,15 @@ def serve_voice(
     connector = open_connector({} if domain is None else {"domain_id": domain})
     hri = HRIConnector(connector)
     speech = TextToSpeech(
-        sound, hri, topic=below + TO_HUMAN, voice=voice, language=language, on_message_end=_show_end, on_fault=_warn,
+        sound,
+        hri,
+        topic=below + TO_HUMAN,
+        voice=voice,
+        language=language,
+        on_message_end=_show_end,
+        on_fault=_warn,
         last_words_s=LAST_WORDS_S,
-    )  # fmt: skip
+    )
 
     def take(transcript: Transcript) -> None:
         speech.resume(cut=bool(transcript.text))
@@ -53,9 +59,14 @@ def serve_voice(
             print(line_of(transcript, names), flush=True)
 
     recognition = VoiceRecognition(
-        sound, hri, topic=below + FROM_HUMAN, names=names, on_transcript=take, on_present=speech.interrupt,
+        sound,
+        hri,
+        topic=below + FROM_HUMAN,
+        names=names,
+        on_transcript=take,
+        on_present=speech.interrupt,
         on_fault=_warn,
-    )  # fmt: skip
+    )
     agents = AgentRunner({"voice": speech, "recognition": recognition}, connector=connector, name="speech")
     try:
         connector.start()

@@ -108,9 +108,12 @@ class ChaosConnector(ConnectorWrapper):
 
         def ask() -> None:
             self.inner.call(
-                service, type_name, request, timeout_s=timeout_s,
+                service,
+                type_name,
+                request,
+                timeout_s=timeout_s,
                 on_reply=lambda reply: self._pass(self._incoming, lambda: replied(reply)),
-            )  # fmt: skip
+            )
 
         if timeout_s is not None:
             self._later(timeout_s, give_up)

@@ -100,9 +100,19 @@ class Report(NamedTuple):
 
     goal_id: str
     status: Literal[
-        "accepted", "rejected", "feedback", "succeeded", "failed", "canceled", "cancel_rejected", "lost", "contested",
-        "stray", "over", "overdue",
-    ]  # fmt: skip
+        "accepted",
+        "rejected",
+        "feedback",
+        "succeeded",
+        "failed",
+        "canceled",
+        "cancel_rejected",
+        "lost",
+        "contested",
+        "stray",
+        "over",
+        "overdue",
+    ]
     data: Data
     why: str = ""
     may_run: bool = True

@@ -48,9 +48,14 @@ class LocalGoal:
 
     @classmethod
     def adopted(
-        cls, goal_id: str, action: str, server: ActionServer, calls: SerialQueue,
-        *, ended: Callable[[LocalGoal], None],
-    ) -> LocalGoal:  # fmt: skip
+        cls,
+        goal_id: str,
+        action: str,
+        server: ActionServer,
+        calls: SerialQueue,
+        *,
+        ended: Callable[[LocalGoal], None],
+    ) -> LocalGoal:
         """A goal that its server pursues already, and that no one has asked for here yet."""
         made = cls(goal_id, action, server, calls, _discard, ended=ended)
         made._is_accepted = True

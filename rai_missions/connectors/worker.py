@@ -52,9 +52,14 @@ class Worker:
     """
 
     def __init__(
-        self, name: str, *, limit: float = math.inf, keep: Literal["oldest", "newest"] = "oldest",
-        on_error: Callable[[BaseException], object] | None = None, at_end: Work = lambda: None,
-    ) -> None:  # fmt: skip
+        self,
+        name: str,
+        *,
+        limit: float = math.inf,
+        keep: Literal["oldest", "newest"] = "oldest",
+        on_error: Callable[[BaseException], object] | None = None,
+        at_end: Work = lambda: None,
+    ) -> None:
         self._name, self._limit, self._keep = name, limit, keep
         self._on_error, self._at_end = on_error or _first_logged(name), at_end
         self._lock = threading.RLock()  # a signal may arrive on the thread that is posting

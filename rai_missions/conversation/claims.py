@@ -33,7 +33,7 @@ __all__ = ("CERTAIN", "ClaimKind", "Claims", "plain", "scored_clauses")
 
 ClaimKind = Literal[
     "", "script", "language", "idiom", "subject", "passive", "progress", "result", "fragment", "place", "report"
-]  # fmt: skip
+]
 """Why a sentence is replaced; empty where it is not.
 
 Those in `CERTAIN` are claims by their structure, or cannot be judged; the others are in doubt.

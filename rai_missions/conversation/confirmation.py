@@ -82,10 +82,12 @@ class OrderConfirmation:
             by: VoidReason = "corrected" if order.sense.is_correction or is_same else "replaced"
             self.void(by, by_speaker=order.utterance.speaker)
         pending = Confirmable(
-            order, self._rests_on(order, is_request=is_request),
-            is_crossing=self._talk.now - self._ended_at < CROSSING_S, understood_by=self._ended_by,
+            order,
+            self._rests_on(order, is_request=is_request),
+            is_crossing=self._talk.now - self._ended_at < CROSSING_S,
+            understood_by=self._ended_by,
             is_request=is_request,
-        )  # fmt: skip
+        )
         self._ask(pending, order.utterance)
 
     def _rests_on(self, order: JudgedOrder, *, is_request: bool) -> tuple[object, ...]:

@@ -170,10 +170,14 @@ class _Player:
         reply = turn["model"]
         return self.dialogue.on_model(
             ModelText(
-                reply.get("number", self.request), reply.get("text", ""), reply.get("order"),
-                reply.get("end", True), reply.get("failed", ""), at,
+                reply.get("number", self.request),
+                reply.get("text", ""),
+                reply.get("order"),
+                reply.get("end", True),
+                reply.get("failed", ""),
+                at,
             )
-        )  # fmt: skip
+        )
 
     def _found(self, turn: Mapping[str, Any], at: float) -> tuple[Output, ...]:
         quotes = tuple(DocumentQuote(**each) for each in turn["found"])
@@ -203,9 +207,14 @@ class _Player:
 def _shown(output: Output) -> dict[str, Any]:
     if isinstance(output, Speech):
         return {
-            "speech": output.text, "way": output.way, "priority": output.priority, "to": output.to,
-            "report": output.report, "uncut": output.uncut, "repeated": output.repeated,
-        }  # fmt: skip
+            "speech": output.text,
+            "way": output.way,
+            "priority": output.priority,
+            "to": output.to,
+            "report": output.report,
+            "uncut": output.uncut,
+            "repeated": output.repeated,
+        }
     if isinstance(output, Order):
         return {"order": output.name, **{name: value for name, value in output._asdict().items() if name != "name"}}
     if isinstance(output, AskModel):

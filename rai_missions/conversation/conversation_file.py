@@ -58,30 +58,70 @@ def _listed(kind: Any) -> Any:
 OBJECT: Any = dict[str, Any]
 KEYS = _named(_parts("Key", KeyView, name=None))
 QUESTION = _model(
-    "Question", text=(str, ...), options=(_named(str), ...), number=(int, 1), state=(str, ""),
-    confirm=(_listed(str), ()), parameters=(_named(OBJECT), None), evidence=(OBJECT, None),
-)  # fmt: skip
+    "Question",
+    text=(str, ...),
+    options=(_named(str), ...),
+    number=(int, 1),
+    state=(str, ""),
+    confirm=(_listed(str), ()),
+    parameters=(_named(OBJECT), None),
+    evidence=(OBJECT, None),
+)
 VIEW = _parts(
-    "View", StatusView, keys=KEYS, build=_parts("Build", BuildView) | None, question=QUESTION | None,
-    questions=_listed(QUESTION), missions=_listed(_parts("Mission", MissionView, arguments=KEYS)),
-    progress=_listed(_parts("Progress", ProgressView)), happened=_listed(_parts("Event", RunEvent)),
-)  # fmt: skip
+    "View",
+    StatusView,
+    keys=KEYS,
+    build=_parts("Build", BuildView) | None,
+    question=QUESTION | None,
+    questions=_listed(QUESTION),
+    missions=_listed(_parts("Mission", MissionView, arguments=KEYS)),
+    progress=_listed(_parts("Progress", ProgressView)),
+    happened=_listed(_parts("Event", RunEvent)),
+)
 SETTINGS = _parts(
-    "Profile", Settings, may=_named(_listed(str)), places=_named(_parts("Place", PlaceArea)), phrases=_named(OBJECT),
+    "Profile",
+    Settings,
+    may=_named(_listed(str)),
+    places=_named(_parts("Place", PlaceArea)),
+    phrases=_named(OBJECT),
     spoken=_named(OBJECT),
-)  # fmt: skip
+)
 REPLY = _model(
-    "Reply", text=(str, ""), order=(OBJECT | None, None), number=(int, 0), end=(bool, True), failed=(str, ""),
-)  # fmt: skip
+    "Reply",
+    text=(str, ""),
+    order=(OBJECT | None, None),
+    number=(int, 0),
+    end=(bool, True),
+    failed=(str, ""),
+)
 TURN = _model(
-    "Turn", at=(float, ...), expect=(_listed(OBJECT), ()), person=(str, ""), role=(Role, ""), channel=(str, ""),
-    author=(str, ""), id=(str, ""), readings=(_listed(str), ()), status=(VIEW, None), model=(REPLY, None),
+    "Turn",
+    at=(float, ...),
+    expect=(_listed(OBJECT), ()),
+    person=(str, ""),
+    role=(Role, ""),
+    channel=(str, ""),
+    author=(str, ""),
+    id=(str, ""),
+    readings=(_listed(str), ()),
+    status=(VIEW, None),
+    model=(REPLY, None),
     found=(_listed(_parts("Quote", DocumentQuote)), None),
-    speech_end=(str, ""), result=(SpeechResult, ""), order_end=(str, ""), kind=(RefusalKind, ""),
-    speaker=(Literal["alive", "dead"], ""), mission_speech=(str, ""), restart=(Any, None), wait=(Any, None),
-)  # fmt: skip
+    speech_end=(str, ""),
+    result=(SpeechResult, ""),
+    order_end=(str, ""),
+    kind=(RefusalKind, ""),
+    speaker=(Literal["alive", "dead"], ""),
+    mission_speech=(str, ""),
+    restart=(Any, None),
+    wait=(Any, None),
+)
 ConversationFile = _model(
-    "Conversation", name=(str, ""), settings=(SETTINGS, None), view=(VIEW, None), speech=(Literal["by hand"], ""),
+    "Conversation",
+    name=(str, ""),
+    settings=(SETTINGS, None),
+    view=(VIEW, None),
+    speech=(Literal["by hand"], ""),
     turns=(_listed(TURN), ...),
-)  # fmt: skip
+)
 """A whole conversation, for `validated`."""

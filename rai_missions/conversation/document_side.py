@@ -83,9 +83,11 @@ class DocumentSide:
             return
         quotes = found.quotes[:MOST_QUOTES]
         self._talk.note(
-            "looked_up", number=look.utterance.number, sources=[_quotable(each.source, LONGEST) for each in quotes],
+            "looked_up",
+            number=look.utterance.number,
+            sources=[_quotable(each.source, LONGEST) for each in quotes],
             failed=cut(found.failed, LONGEST),
-        )  # fmt: skip
+        )
         if quotes:
             text = self._talk.language.text("quoted", quotes=" ".join(map(self._quote, quotes)))
             self._speaking.answer(text, look.utterance, way="documents")

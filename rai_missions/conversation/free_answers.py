@@ -41,9 +41,13 @@ class TextOption(NamedTuple):
     def _sense(self, words: Sequence[str], *, is_partial: bool) -> Sense:
         values = {self.parameter: " ".join(words)}
         return Sense(
-            "order", "answer", question=self.question.number, option=self.offer.name, parameters=values,
+            "order",
+            "answer",
+            question=self.question.number,
+            option=self.offer.name,
+            parameters=values,
             is_partial=is_partial,
-        )  # fmt: skip
+        )
 
 
 def text_option(questions: Sequence[Question]) -> TextOption | None:

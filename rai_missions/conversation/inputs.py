@@ -22,9 +22,21 @@ __all__ = (
 SpeechResult = Literal["whole", "cut", "failed"]
 """How a speech ended: every word came out; it was interrupted; the speaker did not speak it."""
 RefusalKind = Literal[
-    Refusal, StartFaultKind, "judged", "values", "late", "stopped", "second", "last", "unsafe", "locked", "closing",
-    "no_run", "inactive", "other",
-]  # fmt: skip
+    Refusal,
+    StartFaultKind,
+    "judged",
+    "values",
+    "late",
+    "stopped",
+    "second",
+    "last",
+    "unsafe",
+    "locked",
+    "closing",
+    "no_run",
+    "inactive",
+    "other",
+]
 """Why an order was not carried out: what the engine refuses, and what a mission has against a start, by their kinds; an
 answer whose option is not possible any more, or whose values do not fit; an order that the run did not take in time;
 a start to which a stop came, or that has another before it; no other run begins here, or none may, as the robot may

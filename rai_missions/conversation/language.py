@@ -75,9 +75,18 @@ class Language(LanguageTexts):
     def vocabulary(self) -> frozenset[str]:
         """Every word of the grammar: what a misspelled word may be meant as."""
         alone = (
-            self.yes, self.no, self.quiet, self.withdraw, self.again, self.start, self.correction, self.other,
-            self.rejected, self.polite, self.indirect,
-        )  # fmt: skip
+            self.yes,
+            self.no,
+            self.quiet,
+            self.withdraw,
+            self.again,
+            self.start,
+            self.correction,
+            self.other,
+            self.rejected,
+            self.polite,
+            self.indirect,
+        )
         every = (*self.orders.values(), *self.questions.values(), *alone)
         around = (*self.normaliser.lead, *self.normaliser.tail)
         forms = (verb for verb in self.data["verb_forms"] if " " not in verb)

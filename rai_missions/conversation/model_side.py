@@ -99,10 +99,18 @@ class ModelSide:
         history = tuple(each for each in talk.turns if each.number < utterance.number)
         talk.put(
             AskModel(
-                turn.number, cut(utterance.text, LONGEST), utterance.role, utterance.channel, utterance.author, history,
-                talk.answers.status(talk.view), order_forms(talk.view, frozenset(allowed)), talk.now, turn.until,
+                turn.number,
+                cut(utterance.text, LONGEST),
+                utterance.role,
+                utterance.channel,
+                utterance.author,
+                history,
+                talk.answers.status(talk.view),
+                order_forms(talk.view, frozenset(allowed)),
+                talk.now,
+                turn.until,
             )
-        )  # fmt: skip
+        )
         talk.note("asked_model", request=turn.number, number=utterance.number)
 
     # -- the reply -----------------------------------------------------------------------------------------------------

@@ -38,9 +38,12 @@ def why_not_permitted(order: str, role: Role, channel: str, settings: Settings, 
     """The refusal, and where the order can be given."""
     where = where_to_order(settings, language)
     return language.text(
-        "not_permitted", channel=language.word("channels", channel), role=language.word("roles", role),
-        order=language.word("order_names", order), where=where,
-    )  # fmt: skip
+        "not_permitted",
+        channel=language.word("channels", channel),
+        role=language.word("roles", role),
+        order=language.word("order_names", order),
+        where=where,
+    )
 
 
 def where_to_order(settings: Settings, language: Language) -> str:

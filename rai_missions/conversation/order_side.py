@@ -239,16 +239,32 @@ class OrderSide:
         orders = (*self.ordered_by(utterance.speaker), judged.words)[-REMEMBERED:]
         remember(self._ordered, utterance.speaker, orders, SPEAKERS)
         self._talk.note(
-            "ordered", order_number=self._count, number=utterance.number, order=order_data(sense), role=utterance.role,
-            mapper=judged.mapper, confirmed=judged.confirmed,
-        )  # fmt: skip
+            "ordered",
+            order_number=self._count,
+            number=utterance.number,
+            order=order_data(sense),
+            role=utterance.role,
+            mapper=judged.mapper,
+            confirmed=judged.confirmed,
+        )
         self._talk.put(
             Order(
-                self._count, sense.name, utterance.role, utterance.channel, utterance.author, sense.mission,  # type: ignore[arg-type]
-                dict(sense.arguments), sense.question, sense.option, dict(sense.parameters), judged.mapper,
-                cut(utterance.text, LONGEST), judged.confirmed, self._talk.now,
+                number=self._count,
+                name=sense.name,  # type: ignore[arg-type]
+                role=utterance.role,
+                channel=utterance.channel,
+                author=utterance.author,
+                mission=sense.mission,
+                arguments=dict(sense.arguments),
+                question=sense.question,
+                option=sense.option,
+                parameters=dict(sense.parameters),
+                mapper=judged.mapper,
+                sentence=cut(utterance.text, LONGEST),
+                confirmed=judged.confirmed,
+                at=self._talk.now,
             )
-        )  # fmt: skip
+        )
 
     # -- confirmations -------------------------------------------------------------------------------------------------
 
@@ -405,9 +421,7 @@ class OrderSide:
         """Report, to every channel, if one of these answers is refused, which a program before this one gave out."""
         talk = self._talk
         for order in answers:
-            sense = Sense(
-                "order", "answer", question=order.question, option=order.option, parameters=order.parameters
-            )  # fmt: skip
+            sense = Sense("order", "answer", question=order.question, option=order.option, parameters=order.parameters)
             utterance = Utterance("", order.role, order.channel, order.author, talk.now)
             words = order_words(sense, talk.view, talk.spoken_starts, talk.language)
             self._under_way[order.number] = JudgedOrder(sense, utterance, order.mapper, words)

@@ -26,9 +26,24 @@ Mapper = Literal["grammar", "model"]
 
 
 NoteKind = Literal[
-    "heard", "mapped", "read_back", "confirmed", "void", "refused", "ordered", "performed", "queued", "dropped",
-    "waiting", "asked_model", "model_text", "replaced", "looked_up", "spoken", "unspoken",
-]  # fmt: skip
+    "heard",
+    "mapped",
+    "read_back",
+    "confirmed",
+    "void",
+    "refused",
+    "ordered",
+    "performed",
+    "queued",
+    "dropped",
+    "waiting",
+    "asked_model",
+    "model_text",
+    "replaced",
+    "looked_up",
+    "spoken",
+    "unspoken",
+]
 
 
 class Speech(NamedTuple):

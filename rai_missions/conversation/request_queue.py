@@ -143,7 +143,11 @@ class RequestQueue:
 def order_data(sense: Sense) -> dict[str, object]:
     """An order as the journal has it."""
     data = {
-        "order": sense.name, "mission": sense.mission, "arguments": dict(sense.arguments), "option": sense.option,
-        "parameters": dict(sense.parameters), "then": [order_data(each) for each in sense.orders[1:]],
-    }  # fmt: skip
+        "order": sense.name,
+        "mission": sense.mission,
+        "arguments": dict(sense.arguments),
+        "option": sense.option,
+        "parameters": dict(sense.parameters),
+        "then": [order_data(each) for each in sense.orders[1:]],
+    }
     return {name: value for name, value in data.items() if value}

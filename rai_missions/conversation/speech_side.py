@@ -47,9 +47,15 @@ class SpeechSide:
         self._put(Speech("", self._talk.language.text(name), "chatter", to=to.channel, reply_to=to.number))
 
     def speak(
-        self, text: str, *, to: str = "", reply_to: int = 0, priority: Priority = "answer", way: Way = "rules",
+        self,
+        text: str,
+        *,
+        to: str = "",
+        reply_to: int = 0,
+        priority: Priority = "answer",
+        way: Way = "rules",
         report: MissionReport | None = None,
-    ) -> Speech:  # fmt: skip
+    ) -> Speech:
         """Give out a text, without secrets: what it is made of has many authors."""
         speech = Speech("", redacted(text), priority, way, to=to, reply_to=reply_to)
         if way == "model":

@@ -82,21 +82,40 @@ class StateAnswers:
     """
 
     def __init__(
-        self, language: Language, starts: StartPhrases, results: Sequence[str] = (),
-        places: Mapping[str, PlaceArea] = NOWHERE, asked_with: Sequence[str] = (),
-    ) -> None:  # fmt: skip
+        self,
+        language: Language,
+        starts: StartPhrases,
+        results: Sequence[str] = (),
+        places: Mapping[str, PlaceArea] = NOWHERE,
+        asked_with: Sequence[str] = (),
+    ) -> None:
         self.language, self._starts, self._results = language, starts, results
         self._places, self._asked_with = places, asked_with
         self._by_name: Mapping[str, Callable[[StatusView, Asker], str]] = {
-            "doing": self._doing, "progress": self._progress, "time_left": self._time_left, "where": self._where,
-            "why_stopped": self._why_stopped, "waits": self._waits, "asked": self._asked, "ordered": self._ordered,
-            "queued": self._queued, "places": self._known_places,
-            "control": self._control, "capabilities": self._capabilities, "mission": self._about_mission,
-            "happened": self._happened, "commanded": self._commanded, "result": self._result, "decided": self._decided,
-            "who": self._who, "since": self._since, "repeat": self._repeat,
+            "doing": self._doing,
+            "progress": self._progress,
+            "time_left": self._time_left,
+            "where": self._where,
+            "why_stopped": self._why_stopped,
+            "waits": self._waits,
+            "asked": self._asked,
+            "ordered": self._ordered,
+            "queued": self._queued,
+            "places": self._known_places,
+            "control": self._control,
+            "capabilities": self._capabilities,
+            "mission": self._about_mission,
+            "happened": self._happened,
+            "commanded": self._commanded,
+            "result": self._result,
+            "decided": self._decided,
+            "who": self._who,
+            "since": self._since,
+            "repeat": self._repeat,
             **{name: partial(self._always, name) for name in ALWAYS},
-            **{name: partial(self._of_build, name) for name in BUILD}, "speed_now": self._speed_now,
-        }  # fmt: skip
+            **{name: partial(self._of_build, name) for name in BUILD},
+            "speed_now": self._speed_now,
+        }
 
     def _always(self, name: str, *_: object) -> str:
         return self.language.text(name)

@@ -68,9 +68,14 @@ class Talk:
             TalkTurn(self._number, utterance.role, text, "", utterance.channel, self.now, utterance.author)
         )
         self.note(
-            "heard", number=self._number, text=text, role=utterance.role, channel=utterance.channel,
-            author=utterance.author, readings=[cut(each, LONGEST) for each in utterance.readings],
-        )  # fmt: skip
+            "heard",
+            number=self._number,
+            text=text,
+            role=utterance.role,
+            channel=utterance.channel,
+            author=utterance.author,
+            readings=[cut(each, LONGEST) for each in utterance.readings],
+        )
         return utterance._replace(number=self._number)
 
     def add_robot(self, speech: Speech) -> None:

@@ -64,9 +64,13 @@ class Library:
     """
 
     def __init__(
-        self, folder: Path, index: Path | None = None, *, embedder: TextEmbedder | None = None,
+        self,
+        folder: Path,
+        index: Path | None = None,
+        *,
+        embedder: TextEmbedder | None = None,
         nearest: NearestPassages | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.folder, self.index = folder, index or index_place(folder)
         self._embedder, self._nearest = embedder or (minilm() if nearest is None else None), nearest
         self._lock = threading.Lock()

@@ -101,9 +101,13 @@ class ReadingProcess:
             package = str(Path(__file__).parents[2])
             environment = {**variables(secret=False), "PYTHONPATH": package, "PYTHONIOENCODING": "utf-8"}
             self._process = subprocess.Popen(
-                command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env=environment,
+                command,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                env=environment,
                 start_new_session=True,
-            )  # fmt: skip
+            )
         return self._process
 
     def _line(self, stream: IO[bytes]) -> bytes:

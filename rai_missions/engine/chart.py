@@ -64,9 +64,14 @@ class Chart:
     """
 
     def __init__(
-        self, mission: Mission, ticker: Trees | None = None, *, terms: RobotFacts | None = None,
-        named: Named | None = None, surroundings: Surroundings | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        mission: Mission,
+        ticker: Trees | None = None,
+        *,
+        terms: RobotFacts | None = None,
+        named: Named | None = None,
+        surroundings: Surroundings | None = None,
+    ) -> None:
         given_mission(mission, "a chart")
         check_given(ticker, (Trees, NoneType), "ticker", "what compiles trees", "PyTrees() is one")
         check_facts(terms)
@@ -77,9 +82,14 @@ class Chart:
 
     @classmethod
     def restore(
-        cls, mission: Mission, saved: Snapshot, ticker: Trees | None = None, *, terms: RobotFacts | None = None,
+        cls,
+        mission: Mission,
+        saved: Snapshot,
+        ticker: Trees | None = None,
+        *,
+        terms: RobotFacts | None = None,
         named: Named | None = None,
-    ) -> Chart:  # fmt: skip
+    ) -> Chart:
         """A chart that continues where a snapshot was taken.
 
         Raises:
@@ -136,9 +146,15 @@ class Chart:
         return self.send(_new(Event, (key, self.state.at if at is None else at, data, "write", 0)))
 
     def propose(
-        self, number: int, option: str, parameters: Mapping[str, Any] | None = None, *, by: str = "", why: str = "",
+        self,
+        number: int,
+        option: str,
+        parameters: Mapping[str, Any] | None = None,
+        *,
+        by: str = "",
+        why: str = "",
         at: float | None = None,
-    ) -> Step:  # fmt: skip
+    ) -> Step:
         """Answer a question; the step's `verdict` has what became of it.
 
         Args:
@@ -194,10 +210,28 @@ class Chart:
             state.seq = seq = state.seq + 1
             state.quiet = False
             wake = state.wake
-            return _new(Step, (
-                seq, state.at, event, leap.moves, looked, written, None, None if wake == inf else wake, (), "", (), (),
-                "running", state.holder, (), "", False,
-            ))  # fmt: skip
+            return _new(
+                Step,
+                (
+                    seq,
+                    state.at,
+                    event,
+                    leap.moves,
+                    looked,
+                    written,
+                    None,
+                    None if wake == inf else wake,
+                    (),
+                    "",
+                    (),
+                    (),
+                    "running",
+                    state.holder,
+                    (),
+                    "",
+                    False,
+                ),
+            )
         except (ArithmeticError, AttributeError, TypeError, ValueError):
             # Looked at only now: a look at each event would cost each its time.
             check_event(event, "a chart")

@@ -268,7 +268,7 @@ def kill(program: Program, state: RunState, why: str, *, cause: Cause = "") -> N
 
 def end(
     program: Program, state: RunState, outcome: FinalOutcome, why: str, *, killed: bool = False, cause: Cause = ""
-) -> None:  # fmt: skip
+) -> None:
     """The mission is over: everything that runs is ended, and the active states do what they do when left.
 
     Args:

@@ -26,9 +26,13 @@ Awaited = tuple[str, str, int]
 
 
 def check_activity(
-    state: State, keys: Mapping[str, Key], facts: Sequence[Mapping[str, Any]] = (), *, ticker: Trees | None = None,
+    state: State,
+    keys: Mapping[str, Key],
+    facts: Sequence[Mapping[str, Any]] = (),
+    *,
+    ticker: Trees | None = None,
     most: int = MOST,
-) -> None:  # fmt: skip
+) -> None:
     """Hold the activity of a state to the contract of its kind, in every run of a few hundred instants.
 
     Args:
@@ -45,9 +49,16 @@ def check_activity(
     assert state.made() == state.made(), f"'{state.word}' makes another tree each time"
     ends = state.outcomes()
     away = (Transition(on=sorted(ends), to="over"),) if ends else ()
-    mission = Mission("contract", keys=dict(keys), initial="it", uses=_uses(state), states={
-        "it": state.model_copy(update={"transitions": away}), "over": Final("aborted"),
-    })  # fmt: skip
+    mission = Mission(
+        "contract",
+        keys=dict(keys),
+        initial="it",
+        uses=_uses(state),
+        states={
+            "it": state.model_copy(update={"transitions": away}),
+            "over": Final("aborted"),
+        },
+    )
     instant, chart = _Instant(state, mission, ticker), Chart(mission, ticker=ticker)
     waiting = [(chart.start(0.0), chart, frozenset[Awaited]())]
     for _ in range(most):
@@ -102,7 +113,7 @@ def _asked(step: Step) -> Iterator[Awaited]:
 
 def _stimuli(
     step: Step, awaited: frozenset[Awaited], chart: Chart, facts: Sequence[Mapping[str, Any]]
-) -> Iterator[ChartInput]:  # fmt: skip
+) -> Iterator[ChartInput]:
     """What may happen next: a reply of each kind, the next instant that it asks for, and what may be written."""
     at = chart.at + 0.1
     for sort, option, number in sorted(awaited):

@@ -49,10 +49,14 @@ def describe(step: Step) -> Description:
     remarks = tuple(SHOWN.get(each, each) for each in step.remarks)
     verdicts = tuple(_verdict_words(each, step.notes[each.note]) for each in step.verdicts if each.note is not None)
     return Description(
-        _event_words(step), way_words(step.exited, step.entered),
-        tuple(effect.describe() for effect in step.effects), verdicts, (*remarks, *resting),
-        f"{step.outcome}: {step.why}" if step.outcome else step.why, (*step.notes, *resting),
-    )  # fmt: skip
+        _event_words(step),
+        way_words(step.exited, step.entered),
+        tuple(effect.describe() for effect in step.effects),
+        verdicts,
+        (*remarks, *resting),
+        f"{step.outcome}: {step.why}" if step.outcome else step.why,
+        (*step.notes, *resting),
+    )
 
 
 def _verdict_words(verdict: Verdict, note: str) -> str:
@@ -75,17 +79,25 @@ def step_json(step: Step, *, without: Collection[str] = ()) -> dict[str, Any]:
     """
     event, described = step.event, describe(step)
     fields = {
-        "seq": step.seq, "at": step.at,
+        "seq": step.seq,
+        "at": step.at,
         "event": {
-            "name": event.name, "kind": event.kind, "at": event.at, "number": event.number, "data": plain(event.data),
+            "name": event.name,
+            "kind": event.kind,
+            "at": event.at,
+            "number": event.number,
+            "data": plain(event.data),
         },
-        "exited": list(step.exited), "entered": list(step.entered),
+        "exited": list(step.exited),
+        "entered": list(step.entered),
         "taken": [place for move in step.moves for place in move.taken],
         "guards": [{"place": place, "value": TRUTHS[truth]} for place, truth in step.guards],
-        "verdicts": list(described.verdicts), "notes": list(described.remarks),
+        "verdicts": list(described.verdicts),
+        "notes": list(described.remarks),
         "effects": [{"name": effect_word(type(each)), "about": each.describe()} for each in step.effects],
-        "outcome": step.outcome or "", "why": step.why,
-    }  # fmt: skip
+        "outcome": step.outcome or "",
+        "why": step.why,
+    }
     return {name: value for name, value in fields.items() if name not in without}
 
 

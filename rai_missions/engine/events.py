@@ -139,12 +139,19 @@ def _write(program: Program, state: RunState, event: Event) -> None:
 
 
 ALWAYS: Mapping[EventKind, Receiver] = {
-    "tick": _pass, "feedback": _pass, "command": receive_command, "accepted": receive_report, "result": receive_report,
+    "tick": _pass,
+    "feedback": _pass,
+    "command": receive_command,
+    "accepted": receive_report,
+    "result": receive_report,
     **dict.fromkeys(WATCHED, watch_goal),
-}  # fmt: skip
+}
 """Kind → its receiver, after the end of the mission too."""
 UNTIL_END: Mapping[EventKind, Receiver] = {"write": _write, "control": receive_control}
 UNTIL_FINAL: Mapping[EventKind, Receiver] = {
-    "event": _receive_event, "doubt": _receive_event, "proposal": _receive_answer, "behaviour": _receive_answer,
-}  # fmt: skip
+    "event": _receive_event,
+    "doubt": _receive_event,
+    "proposal": _receive_answer,
+    "behaviour": _receive_answer,
+}
 """The same, unless the mission is ending already."""

@@ -95,9 +95,10 @@ def is_awaited(program: Program, state: RunState, number: int) -> bool:
 def is_for_held(program: Program, state: RunState, number: int) -> bool:
     """Whether what runs in a held state waits for what comes under this number."""
     return bool(state.frozen) and any(
-        number in machine.awaits(activity) for name, machine, activity in live(program, state)
+        number in machine.awaits(activity)
+        for name, machine, activity in live(program, state)
         if is_held(state, program.graph.nodes[name])
-    )  # fmt: skip
+    )
 
 
 # -- what came meanwhile ----------------------------------------------------------------------------------------------
@@ -210,8 +211,10 @@ def _instants(program: Program, value: Mapping[str, float], by_s: float, control
 
 def _since(program: Program, value: Mapping[str, float], by_s: float, controls: Controls | None) -> Any:
     of, always = program.graph.keepers, program.always_held  # invariants are looked at in a pause, too
-    return {each: at + by_s if each not in always and _concerns(controls, of[each].control) else at
-            for each, at in value.items()}  # fmt: skip
+    return {
+        each: at + by_s if each not in always and _concerns(controls, of[each].control) else at
+        for each, at in value.items()
+    }
 
 
 def _timers(program: Program, value: Mapping[Any, Any], by_s: float, controls: Controls | None) -> Any:
@@ -235,9 +238,14 @@ def _controls(program: Program, value: Mapping[str, float], by_s: float, control
 
 
 SHIFTS: Mapping[Holds, Callable[[Program, Any, float, Controls | None], Any]] = {
-    "ages": _instants, "deadlines": _instants, "settling": _instants, "since": _since, "timers": _timers,
-    "activities": _activities, "controls": _controls,
-}  # fmt: skip
+    "ages": _instants,
+    "deadlines": _instants,
+    "settling": _instants,
+    "since": _since,
+    "timers": _timers,
+    "activities": _activities,
+    "controls": _controls,
+}
 """What a field holds → how it is moved."""
 MOVED = tuple((each.name, SHIFTS[each.holds]) for each in TABLE if each.holds in SHIFTS)
 """The fields that are moved, and how."""

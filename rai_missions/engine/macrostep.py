@@ -144,9 +144,12 @@ def _answer(program: Program, state: RunState, trigger: Trigger) -> None:
         option = trigger.name in source.options
         state.answer = trigger.data if option else state.answer
         plan = config.outcome_plan(
-            source, trigger.name, option=option, climbs=trigger.climbs and trigger.name != "succeeded",
+            source,
+            trigger.name,
+            option=option,
+            climbs=trigger.climbs and trigger.name != "succeeded",
             is_late=trigger.is_late,
-        )  # fmt: skip
+        )
     open_plan = plan if not state.frozen else free(state, plan)
     transitions = enabled(state, open_plan, state.draft.looked)
     if transitions:

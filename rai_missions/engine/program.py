@@ -48,9 +48,16 @@ class Program:
     )  # fmt: skip
 
     def __init__(
-        self, mission: Mission, content: Content, ticker: Trees | None = None, *, has_trees: bool,
-        facts: RobotFacts | None = None, named: Named | None = None, surroundings: Surroundings | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        mission: Mission,
+        content: Content,
+        ticker: Trees | None = None,
+        *,
+        has_trees: bool,
+        facts: RobotFacts | None = None,
+        named: Named | None = None,
+        surroundings: Surroundings | None = None,
+    ) -> None:
         self.mission, self.keys = mission, mission.blackboard
         self.ticker: Trees = ticker if ticker is not None else CompiledTrees()
         self.facts = facts if facts is not None else RobotFacts()

@@ -179,9 +179,14 @@ def poll(program: Program, state: RunState) -> bool:
 
 
 def _informed(
-    program: Program, state: RunState, keys: frozenset[str], due: frozenset[str], changed: frozenset[str] | set[str],
-    news: Mapping[str, str], unseen: frozenset[str],
-) -> bool:  # fmt: skip
+    program: Program,
+    state: RunState,
+    keys: frozenset[str],
+    due: frozenset[str],
+    changed: frozenset[str] | set[str],
+    news: Mapping[str, str],
+    unseen: frozenset[str],
+) -> bool:
     has_acted = False
     for name, machine, activity in awake(program, state):
         if not (name in due or listens(machine, activity, keys)):

@@ -168,14 +168,39 @@ def leapt(program: Program, state: RunState, event: Event, leap: CompiledStep, l
 
 
 def value(
-    state: RunState, event: Event, moves: tuple[Move, ...], looked: Looked, written: Written = (),
-    effects: tuple[Effect, ...] = (), notes: tuple[str, ...] = (), *, quiet: bool = False,
-) -> Step:  # fmt: skip
+    state: RunState,
+    event: Event,
+    moves: tuple[Move, ...],
+    looked: Looked,
+    written: Written = (),
+    effects: tuple[Effect, ...] = (),
+    notes: tuple[str, ...] = (),
+    *,
+    quiet: bool = False,
+) -> Step:
     """The value of such a step; without moves no transition fired."""
     state.seq = seq = state.seq + 1
     state.quiet = quiet
     wake = state.wake
-    return _new(Step, (
-        seq, state.at, event, moves, looked, written, None, None if wake == inf else wake, effects, "", notes,
-        (), "running", state.holder, (), "", False,
-    ))  # fmt: skip
+    return _new(
+        Step,
+        (
+            seq,
+            state.at,
+            event,
+            moves,
+            looked,
+            written,
+            None,
+            None if wake == inf else wake,
+            effects,
+            "",
+            notes,
+            (),
+            "running",
+            state.holder,
+            (),
+            "",
+            False,
+        ),
+    )

@@ -73,9 +73,7 @@ PLAIN = Form(_as_it_is, _as_it_is)
 
 def snapshot(program: Program, state: RunState) -> Snapshot:
     """All that the run remembers, as values that later steps do not change."""
-    return {
-        word: FORMS.get(holds, PLAIN).write(program, getattr(state, name)) for name, word, holds in TABLE
-    }  # fmt: skip
+    return {word: FORMS.get(holds, PLAIN).write(program, getattr(state, name)) for name, word, holds in TABLE}
 
 
 def put_back(program: Program, state: RunState, saved: Snapshot) -> None:
@@ -108,9 +106,11 @@ def configuration(program: Program, targets: Iterable[str]) -> tuple[Configurati
     entered = graph.around((graph.nodes[name] for name in targets), graph.root, {})
     rivals = [
         f"'{inside[0].name}' and '{inside[1].name}'"
-        for node in (graph.root, *entered) if node.is_compound and not node.is_parallel
+        for node in (graph.root, *entered)
+        if node.is_compound
+        and not node.is_parallel
         and len(inside := [each for each in node.children if each in entered]) > 1
-    ]  # fmt: skip
+    ]
     parents = {node.parent for node in entered}
     return graph.configuration(node for node in entered if node not in parents), rivals
 

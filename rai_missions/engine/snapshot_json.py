@@ -32,10 +32,25 @@ __all__ = ("packed", "unpacked")
 KINDS: Mapping[str, type[Any]] = {
     kind.__name__: kind
     for kind in (
-        Stamped, Timer, Event, Leaf, TreeState, Evidence, Limits, Offer, Question,
-        Ask, CallService, CancelGoal, Handover, PublishMessage, SayAloud, StartBehaviour, StartGoal,
+        Stamped,
+        Timer,
+        Event,
+        Leaf,
+        TreeState,
+        Evidence,
+        Limits,
+        Offer,
+        Question,
+        Ask,
+        CallService,
+        CancelGoal,
+        Handover,
+        PublishMessage,
+        SayAloud,
+        StartBehaviour,
+        StartGoal,
     )
-}  # fmt: skip
+}
 """The word in a journal → its kind, but for what machines remember."""
 
 

@@ -48,10 +48,33 @@ TimerKey = tuple[str, Any]
 """`after` and a transition's place, `timeout` and a state, or `raise` and the timer's id."""
 
 Holds = Literal[
-    "value", "number", "past", "end", "passing", "payload", "controls", "configuration", "memory", "state", "states",
-    "begins", "invariants", "events", "deadline", "deadlines", "settling", "timers", "activities", "rounds", "lists",
-    "calls", "goals", "board", "ages", "since",
-]  # fmt: skip
+    "value",
+    "number",
+    "past",
+    "end",
+    "passing",
+    "payload",
+    "controls",
+    "configuration",
+    "memory",
+    "state",
+    "states",
+    "begins",
+    "invariants",
+    "events",
+    "deadline",
+    "deadlines",
+    "settling",
+    "timers",
+    "activities",
+    "rounds",
+    "lists",
+    "calls",
+    "goals",
+    "board",
+    "ages",
+    "since",
+]
 """What a field holds, which decides how it is stored, moved in time, migrated and compared:
 
 | holds           |                                                                          |
@@ -300,8 +323,9 @@ class StateField(NamedTuple):
 
 TABLE = tuple(
     StateField(each.name, each.metadata["word"] or each.name, each.metadata["holds"])
-    for each in fields(RunState) if "holds" in each.metadata
-)  # fmt: skip
+    for each in fields(RunState)
+    if "holds" in each.metadata
+)
 """Every field that a run remembers, in the order of `RunState`: the first arguments of its constructor."""
 _values = attrgetter(*(each.name for each in TABLE))
 

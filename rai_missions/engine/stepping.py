@@ -37,9 +37,13 @@ __all__ = ("begin_run", "close", "compiled", "fresh", "make_step")
 
 @few_collections()
 def compiled(
-    mission: Mission, ticker: Trees | None = None, *, facts: RobotFacts | None = None, named: Named | None = None,
+    mission: Mission,
+    ticker: Trees | None = None,
+    *,
+    facts: RobotFacts | None = None,
+    named: Named | None = None,
     surroundings: Surroundings | None = None,
-) -> Program:  # fmt: skip
+) -> Program:
     """A mission, ready to run.
 
     Raises:
@@ -123,10 +127,26 @@ def close(program: Program, state: RunState, event: Event) -> Step:
     )
     state.draft = StepDraft()
     state.seq += 1
-    made: Step = tuple.__new__(Step, (
-        state.seq, state.at, event, tuple(draft.moves), tuple(draft.looked), tuple(draft.written), state.outcome,
-        state.wake_at, tuple(draft.effects), why, notes,
-        resting(program, state), state.shown_mode, state.holder, verdicts, draft.refusal,
-        draft.is_kept,
-    ))  # fmt: skip
+    made: Step = tuple.__new__(
+        Step,
+        (
+            state.seq,
+            state.at,
+            event,
+            tuple(draft.moves),
+            tuple(draft.looked),
+            tuple(draft.written),
+            state.outcome,
+            state.wake_at,
+            tuple(draft.effects),
+            why,
+            notes,
+            resting(program, state),
+            state.shown_mode,
+            state.holder,
+            verdicts,
+            draft.refusal,
+            draft.is_kept,
+        ),
+    )
     return made

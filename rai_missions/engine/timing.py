@@ -63,8 +63,11 @@ def pass_instant(program: Program, state: RunState) -> None:
         end(program, state, "canceled", "the cancel took longer than cancel_s")
     due, draft.due = draft.due, NO_KEYS  # the activities' turn comes after that of all timers
     for _ in range(MOST_MICROSTEPS):
-        ringing = [(timer.due, timer.order, key) for key, timer in state.timers.items()
-                   if timer.due <= now and timer.control not in state.frozen]  # fmt: skip
+        ringing = [
+            (timer.due, timer.order, key)
+            for key, timer in state.timers.items()
+            if timer.due <= now and timer.control not in state.frozen
+        ]
         if state.outcome is not None or not ringing:
             break
         key = min(ringing)[2]

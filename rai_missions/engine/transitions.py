@@ -133,9 +133,16 @@ class Graph(CompiledMission):
         return self.move(config, exited, self.around(node.initial, node, memory))
 
     def move(
-        self, config: Configuration, exited: set[Node], entered: EnteredStates, *, taken: tuple[str, ...] = (),
-        acts: tuple[Act, ...] = (), trigger: str = "", outer: tuple[Node, ...] = (),
-    ) -> CompiledStep:  # fmt: skip
+        self,
+        config: Configuration,
+        exited: set[Node],
+        entered: EnteredStates,
+        *,
+        taken: tuple[str, ...] = (),
+        acts: tuple[Act, ...] = (),
+        trigger: str = "",
+        outer: tuple[Node, ...] = (),
+    ) -> CompiledStep:
         """A leap from what is left and entered: exit innermost first, the transitions' acts, entry outermost first.
 
         What `outer` waits for begins with it, without being named among the states that are entered.
@@ -163,7 +170,7 @@ class Graph(CompiledMission):
 
     def _entering(
         self, kept: set[Node], into: tuple[Node, ...], index: int, recalled: Mapping[Node, Node]
-    ) -> Iterable[Act]:  # fmt: skip
+    ) -> Iterable[Act]:
         """The acts of entering one node; a final raises the end of its parent, and of a parallel state with it."""
         node = into[index]
         if node.is_each:

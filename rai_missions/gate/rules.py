@@ -111,9 +111,7 @@ def _alive(gate: Gate, who: str) -> Gate:
 
 def _changed(gate: Gate, control: Control, why: str) -> Turn:
     change = ControlChange(gate.revision + 1, gate.holder, control.holder, why)
-    after = gate._replace(
-        holder=control.holder, kept=control.kept, revision=change.revision, since=gate.at, why=why
-    )  # fmt: skip
+    after = gate._replace(holder=control.holder, kept=control.kept, revision=change.revision, since=gate.at, why=why)
     return after, (change,)
 
 

@@ -77,9 +77,17 @@ class Compare(Guard, word="key"):
     meant: ClassVar[Mapping[str, str]] = SIGNS
 
     def __init__(
-        self, key: KeyPath, *, equal: Value = None, unequal: Value = None, less: Value = None, at_most: Value = None,
-        greater: Value = None, at_least: Value = None, within: Value = None,
-    ) -> None: ...  # fmt: skip
+        self,
+        key: KeyPath,
+        *,
+        equal: Value = None,
+        unequal: Value = None,
+        less: Value = None,
+        at_most: Value = None,
+        greater: Value = None,
+        at_least: Value = None,
+        within: Value = None,
+    ) -> None: ...
 
     @model_validator(mode="after")
     def _one_operator(self) -> Self:

@@ -67,8 +67,13 @@ def _atom_implies(one: Atom, other: Atom) -> bool:
         return False
     if one.other is not None or other.other is not None:
         return one.other == other.other and (one.op, other.op) in {
-            ("<", "<="), (">", ">="), ("==", "<="), ("==", ">="), ("<", "!="), (">", "!="),
-        }  # fmt: skip
+            ("<", "<="),
+            (">", ">="),
+            ("==", "<="),
+            ("==", ">="),
+            ("<", "!="),
+            (">", "!="),
+        }
     if one.op == "==":
         return holds(one.operand, other.op, other.operand)
     if one.op == "in" and isinstance(one.operand, tuple):

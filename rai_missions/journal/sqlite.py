@@ -226,9 +226,13 @@ def end_of_opening(connection: sqlite3.Connection) -> None:
 
 def _connected(path: Path, *, new: bool) -> sqlite3.Connection:
     connection = sqlite3.connect(
-        _uri(path, "rw"), uri=True, isolation_level=None, check_same_thread=False, timeout=0,
+        _uri(path, "rw"),
+        uri=True,
+        isolation_level=None,
+        check_same_thread=False,
+        timeout=0,
         cached_statements=FEW_STATEMENTS,
-    )  # fmt: skip
+    )
     try:
         connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST_BYTES)
         _set(connection, "locking_mode=EXCLUSIVE", "journal_mode=WAL", "synchronous=NORMAL", "trusted_schema=OFF")

@@ -88,9 +88,14 @@ def _transition(function: Callable[P, Transition]) -> Callable[P, Transition]:
 
 @_transition
 def On(  # noqa: N802 - reads as the transition that it makes
-    *on: str | Sequence[str], to: str | Sequence[str] = (), when: GuardOrKey | None = None,
-    do: Effect | Sequence[Effect] = (), of: str | None = None, internal: bool = False, about: str = "",
-) -> Transition:  # fmt: skip
+    *on: str | Sequence[str],
+    to: str | Sequence[str] = (),
+    when: GuardOrKey | None = None,
+    do: Effect | Sequence[Effect] = (),
+    of: str | None = None,
+    internal: bool = False,
+    about: str = "",
+) -> Transition:
     """A transition that one of these events or outcomes fires: `On("failed", "timed_out", to="assessing")`.
 
     Args:
@@ -108,9 +113,13 @@ def On(  # noqa: N802 - reads as the transition that it makes
 
 @_transition
 def When(  # noqa: N802
-    when: GuardOrKey, *, to: str | Sequence[str] = (), do: Effect | Sequence[Effect] = (), internal: bool = False,
+    when: GuardOrKey,
+    *,
+    to: str | Sequence[str] = (),
+    do: Effect | Sequence[Effect] = (),
+    internal: bool = False,
     about: str = "",
-) -> Transition:  # fmt: skip
+) -> Transition:
     """A transition that fires as soon as its guard holds: `When(k.battery < 0.2, to="returning")`.
 
     Args:
@@ -125,9 +134,14 @@ def When(  # noqa: N802
 
 @_transition
 def After(  # noqa: N802
-    after_s: float, *, to: str | Sequence[str] = (), when: GuardOrKey | None = None,
-    do: Effect | Sequence[Effect] = (), internal: bool = False, about: str = "",
-) -> Transition:  # fmt: skip
+    after_s: float,
+    *,
+    to: str | Sequence[str] = (),
+    when: GuardOrKey | None = None,
+    do: Effect | Sequence[Effect] = (),
+    internal: bool = False,
+    about: str = "",
+) -> Transition:
     """A transition that fires once, some time after the entry: `After(5, to="signalling")`.
 
     Args:

@@ -85,13 +85,21 @@ def _without_inclusions(mission: Mission, chain: Chain, source: str) -> Mission:
             break
     if faults:
         raise DefinitionError(faults, source)
-    return mission.model_copy(update={
-        "uses": tuple(dict.fromkeys((*mission.uses, *(u for each in brought.values() for u in each.uses)))),
-        "states": _replaced(mission.states, brought),
-        "blackboard": {**mission.blackboard, **{k: key for each in brought.values() for k, key in each.keys.items()}},
-        "events": {**mission.events, **{e: event for each in brought.values() for e, event in each.events.items()}},
-        "invariants": {**mission.invariants, **{i: g for each in brought.values() for i, g in each.invariants.items()}},
-    })  # fmt: skip
+    return mission.model_copy(
+        update={
+            "uses": tuple(dict.fromkeys((*mission.uses, *(u for each in brought.values() for u in each.uses)))),
+            "states": _replaced(mission.states, brought),
+            "blackboard": {
+                **mission.blackboard,
+                **{k: key for each in brought.values() for k, key in each.keys.items()},
+            },
+            "events": {**mission.events, **{e: event for each in brought.values() for e, event in each.events.items()}},
+            "invariants": {
+                **mission.invariants,
+                **{i: g for each in brought.values() for i, g in each.invariants.items()},
+            },
+        }
+    )
 
 
 def _replaced(states: Mapping[str, State], brought: Mapping[str, Inclusion]) -> dict[str, State]:

@@ -101,9 +101,13 @@ def legible_part(data: Mapping[str, Any]) -> LegiblePart | None:
                 return None
         else:
             return LegiblePart(
-                _joined(mission, document, repair.names), tuple(repair.unread), frozenset(repair.names),
-                repair.has_states, repair.has_targets, tuple(dict.fromkeys(faults)),
-            )  # fmt: skip
+                _joined(mission, document, repair.names),
+                tuple(repair.unread),
+                frozenset(repair.names),
+                repair.has_states,
+                repair.has_targets,
+                tuple(dict.fromkeys(faults)),
+            )
     return None
 
 

@@ -128,12 +128,24 @@ class Mission(MissionModel):
     """Seconds that the start waits for the robot keys that are not optional."""
 
     def __init__(
-        self, name: str, *, initial: str | Sequence[str], states: Mapping[str, State], version: str = "0.0.0",
-        about: str = "", uses: Sequence[str] = (), keys: Keys | Mapping[str, Key] = {},  # noqa: B006 - declared, never used
-        events: Sequence[str] | Mapping[str, EventSpec] = (), transitions: Sequence[Transition] = (),
-        invariants: Mapping[str, GuardOrKey] = {}, on_cancel: str | None = None, cancel_s: float = 30.0,
-        settle_s: float = 0.0, ready_s: float = 10.0, format: Literal[1] = 1,
-    ) -> None: ...  # fmt: skip
+        self,
+        name: str,
+        *,
+        initial: str | Sequence[str],
+        states: Mapping[str, State],
+        version: str = "0.0.0",
+        about: str = "",
+        uses: Sequence[str] = (),
+        keys: Keys | Mapping[str, Key] = {},  # noqa: B006 - declared, never used
+        events: Sequence[str] | Mapping[str, EventSpec] = (),
+        transitions: Sequence[Transition] = (),
+        invariants: Mapping[str, GuardOrKey] = {},
+        on_cancel: str | None = None,
+        cancel_s: float = 30.0,
+        settle_s: float = 0.0,
+        ready_s: float = 10.0,
+        format: Literal[1] = 1,
+    ) -> None: ...
 
     @classmethod
     def spelled(cls, words: dict[str, Any]) -> dict[str, Any]:
@@ -232,9 +244,7 @@ class Mission(MissionModel):
 
     def behaviours(self) -> Mapping[str, BehaviourLeaf]:
         """`state#path` → the leaf there that is written in Python; a mission with one has no JSON."""
-        return {
-            f"{name}#{path}": leaf for _, name, state in self.walk() for path, leaf in state.behaviours().items()
-        }  # fmt: skip
+        return {f"{name}#{path}": leaf for _, name, state in self.walk() for path, leaf in state.behaviours().items()}
 
     def state(self, name: str) -> State:
         """The state of a name.

@@ -109,8 +109,11 @@ def _place_of_import(error: ImportError, source: bytes) -> str:
     names = [alias.name for each in imports if each.module == package.__name__ for alias in each.names]
     for name in names:
         if not hasattr(package, name):
-            homes = [each for each, module in list(sys.modules.items())
-                     if each.split(".")[0] == OURS and name in getattr(module, "__all__", ())]  # fmt: skip
+            homes = [
+                each
+                for each, module in list(sys.modules.items())
+                if each.split(".")[0] == OURS and name in getattr(module, "__all__", ())
+            ]
             if homes:
                 return f"; it is in {min(homes, key=len)}"
             return suggestion(name, [each for each in dir(package) if not each.startswith("_")])

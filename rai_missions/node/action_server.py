@@ -88,10 +88,12 @@ class RunServer:
             self._report = None
         result = session.result
         data: dict[str, Any] = {
-            "outcome": session.mode, "why": result.why if result is not None else session.error,
-            "run": session.runner.run_id, "journal": (result.journal if result is not None else None) or "",
+            "outcome": session.mode,
+            "why": result.why if result is not None else session.error,
+            "run": session.runner.run_id,
+            "journal": (result.journal if result is not None else None) or "",
             "open_goals": [goal.data() for goal in result.open_goals] if result is not None else [],
-        }  # fmt: skip
+        }
         if session.mode == "succeeded":
             report(Report(goal_id, "succeeded", data))
         elif session.mode == "canceled" and self._is_unwanted:

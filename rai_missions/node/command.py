@@ -77,11 +77,14 @@ class Command(NamedTuple):
 
 WORDS: Mapping[str, Mapping[str, tuple[type, bool]]] = {
     "start": {"arguments": (dict, False)},
-    "pause": {}, "resume": {}, "cancel": {}, "e_stop": {},
+    "pause": {},
+    "resume": {},
+    "cancel": {},
+    "e_stop": {},
     "control": {"to": (str, True)},
     "answer": {"question": (int, True), "run": (str, False), "option": (str, True), "parameters": (dict, False)},
     "post": {"event": (str, True), "data": (dict, False)},
-}  # fmt: skip
+}
 """Command → its words, the type of each, and whether it must be there."""
 CALLED = {dict: "an object", str: "text", int: "a whole number"}
 

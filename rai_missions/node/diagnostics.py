@@ -21,9 +21,12 @@ NOTHING: Mapping[str, SourceState] = {}
 
 
 def level(
-    status: StatusMessage, stale: Sequence[str] = (), strangers: int = 0,
-    sources: Mapping[str, SourceState] = NOTHING, rivals: Sequence[str] = (),
-) -> tuple[int, str]:  # fmt: skip
+    status: StatusMessage,
+    stale: Sequence[str] = (),
+    strangers: int = 0,
+    sources: Mapping[str, SourceState] = NOTHING,
+    rivals: Sequence[str] = (),
+) -> tuple[int, str]:
     """The level and the sentence.
 
     Args:
@@ -70,9 +73,15 @@ def _offsets(sources: Mapping[str, SourceState]) -> str:
 
 
 def array_of(
-    status: StatusMessage, *, at: float, stale: Sequence[str] = (), strangers: int = 0,
-    sources: Mapping[str, SourceState] = NOTHING, rivals: Sequence[str] = (), robot: str = "",
-) -> dict[str, Any]:  # fmt: skip
+    status: StatusMessage,
+    *,
+    at: float,
+    stale: Sequence[str] = (),
+    strangers: int = 0,
+    sources: Mapping[str, SourceState] = NOTHING,
+    rivals: Sequence[str] = (),
+    robot: str = "",
+) -> dict[str, Any]:
     """The fields of a `diagnostic_msgs/msg/DiagnosticArray`.
 
     Args:
@@ -86,13 +95,20 @@ def array_of(
     """
     found, message = level(status, stale, strangers, sources, rivals)
     values = {
-        "mission": f"{status.mission} {status.version}".strip(), "run": status.run,
-        "lifecycle": status.lifecycle, "mode": status.mode, "control": status.control,
-        "active": ", ".join(status.active), "revision": str(status.revision), "stale": ", ".join(stale),
-        "clock offsets": _offsets(sources), "not understood": cut(_misread(sources), 1000),
-        "instance": status.instance, "rivals": cut("; ".join(rivals), 1000),
+        "mission": f"{status.mission} {status.version}".strip(),
+        "run": status.run,
+        "lifecycle": status.lifecycle,
+        "mode": status.mode,
+        "control": status.control,
+        "active": ", ".join(status.active),
+        "revision": str(status.revision),
+        "stale": ", ".join(stale),
+        "clock offsets": _offsets(sources),
+        "not understood": cut(_misread(sources), 1000),
+        "instance": status.instance,
+        "rivals": cut("; ".join(rivals), 1000),
         "open_goals": may_move(status.open_goals),
-    }  # fmt: skip
+    }
     diagnostic = {
         "level": found,
         "name": f"{status.node}: mission",

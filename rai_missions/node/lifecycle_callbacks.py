@@ -39,9 +39,13 @@ class LifecycleCallbacks:
     def by_label(self) -> Mapping[str, Callable[[Finish], None]]:
         """As `ManagedLifecycle` takes them."""
         return {
-            "configure": self.configure, "activate": self.activate, "deactivate": self.deactivate,
-            "cleanup": self.clean_up, "shutdown": self.shut_down, "error": self.recover,
-        }  # fmt: skip
+            "configure": self.configure,
+            "activate": self.activate,
+            "deactivate": self.deactivate,
+            "cleanup": self.clean_up,
+            "shutdown": self.shut_down,
+            "error": self.recover,
+        }
 
     def configure(self, finish: Finish) -> None:
         """Read and check; what is at fault leaves the node unconfigured."""

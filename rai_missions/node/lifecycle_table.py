@@ -28,16 +28,32 @@ class NodeTransition(NamedTuple):
 
 
 UNCONFIGURED, INACTIVE, ACTIVE, FINALIZED = (
-    NodeState(1, "unconfigured"), NodeState(2, "inactive"), NodeState(3, "active"), NodeState(4, "finalized"),
-)  # fmt: skip
+    NodeState(1, "unconfigured"),
+    NodeState(2, "inactive"),
+    NodeState(3, "active"),
+    NodeState(4, "finalized"),
+)
 CONFIGURING, CLEANINGUP, SHUTTINGDOWN, ACTIVATING, DEACTIVATING, ERRORPROCESSING = (
-    NodeState(10, "configuring"), NodeState(11, "cleaningup"), NodeState(12, "shuttingdown"),
-    NodeState(13, "activating"), NodeState(14, "deactivating"), NodeState(15, "errorprocessing"),
-)  # fmt: skip
+    NodeState(10, "configuring"),
+    NodeState(11, "cleaningup"),
+    NodeState(12, "shuttingdown"),
+    NodeState(13, "activating"),
+    NodeState(14, "deactivating"),
+    NodeState(15, "errorprocessing"),
+)
 STATES = (
-    NodeState(0, "unknown"), UNCONFIGURED, INACTIVE, ACTIVE, FINALIZED,
-    CONFIGURING, CLEANINGUP, SHUTTINGDOWN, ACTIVATING, DEACTIVATING, ERRORPROCESSING,
-)  # fmt: skip
+    NodeState(0, "unknown"),
+    UNCONFIGURED,
+    INACTIVE,
+    ACTIVE,
+    FINALIZED,
+    CONFIGURING,
+    CLEANINGUP,
+    SHUTTINGDOWN,
+    ACTIVATING,
+    DEACTIVATING,
+    ERRORPROCESSING,
+)
 
 ACTS = (
     NodeTransition(1, "configure", UNCONFIGURED, CONFIGURING),

@@ -55,10 +55,17 @@ class MissionNode:
     """
 
     def __init__(
-        self, setting: RunConfig, name: str = "", *, managed: bool = True, ros_arguments: Sequence[str] = (),
-        carrier: Carrier | None = None, journals: Callable[[], Path] | None = None, operator: bool = True,
+        self,
+        setting: RunConfig,
+        name: str = "",
+        *,
+        managed: bool = True,
+        ros_arguments: Sequence[str] = (),
+        carrier: Carrier | None = None,
+        journals: Callable[[], Path] | None = None,
+        operator: bool = True,
         ended: Callable[[RunSession], None] = lambda _session: None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         robot = profile_of(setting)
         self._host = RunHost(setting, robot=robot, journals=journals, operator=operator)
         self.name: NodeName = name_of(name, self._host.called, robot, ros_arguments)

@@ -109,19 +109,27 @@ class StatusPublisher:
         """How things are, under the revision of the last status."""
         session, (mission, version), (label, fault) = self._host.session, self._host.about, self._lifecycle()
         idle = IDLE._replace(
-            revision=self._last.revision, node=self._name.path, instance=self._instance, mission=mission,
-            version=version, lifecycle=label, fault=fault,
-        )  # fmt: skip
+            revision=self._last.revision,
+            node=self._name.path,
+            instance=self._instance,
+            mission=mission,
+            version=version,
+            lifecycle=label,
+            fault=fault,
+        )
         if session is None:
             return idle
         result = session.result
         status = session.status or Status(0, session.mode, self._last.control, ())
         now = idle._replace(
-            run=session.runner.run_id, mode=session.mode, questions=session.questions(),
-            control=status.control, active=status.active,
+            run=session.runner.run_id,
+            mode=session.mode,
+            questions=session.questions(),
+            control=status.control,
+            active=status.active,
             open_goals=status.open_goals if result is None else result.open_goals,
             why=session.error or (status.why if result is None else result.why),
-        )  # fmt: skip
+        )
         if session.is_over:
             return now._replace(outcome=session.mode)
         return now._replace(waits=status.waits, held_by=status.held_by, held_since=status.held_since or 0.0)
@@ -183,9 +191,14 @@ class StatusPublisher:
         session, robot = self._host.session, self._host.robot
         stale, sources = (session.stale(), session.sources()) if session is not None else ((), {})
         fields = array_of(
-            status, at=time.time(), stale=stale, strangers=len(self._strangers), sources=sources,
-            rivals=self._rivals(session), robot=robot.name if robot is not None else "",
-        )  # fmt: skip
+            status,
+            at=time.time(),
+            stale=stale,
+            strangers=len(self._strangers),
+            sources=sources,
+            rivals=self._rivals(session),
+            robot=robot.name if robot is not None else "",
+        )
         self._carrier.connector.publish("/diagnostics", DIAGNOSTICS, carried(fields))
 
     def _rivals(self, session: RunSession | None) -> tuple[str, ...]:

@@ -81,6 +81,9 @@ def line_of(name: str, level: int, text: str, at: float) -> dict[str, Any]:
 
 def lines_of(step: Step, name: str) -> list[dict[str, Any]]:
     """What a step of the mission logs and speaks."""
-    texts = [each.text if isinstance(each, LogLine) else f"speaks: {each.text}" for each in step.effects
-             if isinstance(each, LogLine | SayAloud)]  # fmt: skip
+    texts = [
+        each.text if isinstance(each, LogLine) else f"speaks: {each.text}"
+        for each in step.effects
+        if isinstance(each, LogLine | SayAloud)
+    ]
     return [line_of(name, logging.INFO, cut(text, LONGEST), time.time()) for text in texts]

@@ -70,8 +70,10 @@ def serve_typed_orders(connector: Connector, name: NodeName, commands: CommandSe
         return _answered(commands.ask(from_ros(order)))
 
     served: list[tuple[str, str, Callable[[Data], Data]]] = [
-        ("set_control", "Control", control), ("answer", "Answer", answer), ("post", "Post", post),
-    ]  # fmt: skip
+        ("set_control", "Control", control),
+        ("answer", "Answer", answer),
+        ("post", "Post", post),
+    ]
     return [connector.serve(name.below(word), f"{PACKAGE}/srv/{kind}", act) for word, kind, act in served]
 
 

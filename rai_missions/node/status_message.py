@@ -42,9 +42,13 @@ class OpenQuestion(NamedTuple):
             for option in question.options
         ]
         return {
-            "number": question.number, "state": question.state, "asked": question.asked, "text": question.text,
-            "options": options, "left_s": self.left_s,
-        }  # fmt: skip
+            "number": question.number,
+            "state": question.state,
+            "asked": question.asked,
+            "text": question.text,
+            "options": options,
+            "left_s": self.left_s,
+        }
 
     def data(self) -> dict[str, Any]:
         """As JSON has it."""
@@ -118,10 +122,17 @@ def step_fields(step: Step, run: str, text: str) -> dict[str, Any]:
     for verdict in verdicts:
         del verdict["note"]  # which of the step's notes has it in words: those are not sent
     return fields | {
-        "run": run, "event": step.event.name, "kind": step.event.kind, "mode": step.mode or "",
-        "holder": step.holder or "", "verdicts": verdicts, "refusal": step.refusal, "kept": step.kept,
-        "remarks": list(step.remarks), "json": text,
-    }  # fmt: skip
+        "run": run,
+        "event": step.event.name,
+        "kind": step.event.kind,
+        "mode": step.mode or "",
+        "holder": step.holder or "",
+        "verdicts": verdicts,
+        "refusal": step.refusal,
+        "kept": step.kept,
+        "remarks": list(step.remarks),
+        "json": text,
+    }
 
 
 def text_of(data: Mapping[str, Any]) -> str:

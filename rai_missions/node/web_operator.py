@@ -38,9 +38,13 @@ class WebCommands:
     """
 
     def __init__(
-        self, session: RunSession, *, answers: bool, note: Callable[[str], object],
+        self,
+        session: RunSession,
+        *,
+        answers: bool,
+        note: Callable[[str], object],
         on_late_stop: Callable[[str], object] = lambda by: None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._session, self._answers, self._note = session, answers, note
         self._on_late_stop = on_late_stop
 

@@ -150,10 +150,12 @@ def packed(thing: Thing, container: Thing, z: float, inside: Sequence[Thing], cl
         placed = thing.moved(container.x, container.y, z, container.yaw + quarter)
         own = _in_frame(placed, container)
         lines = [
-            sorted({SLACK_M + wall - halves[axis] + own[axis][1]}
-                   | {at[axis][0] + at[axis][1] + clearance + SLACK_M + own[axis][1] for at in taken})
+            sorted(
+                {SLACK_M + wall - halves[axis] + own[axis][1]}
+                | {at[axis][0] + at[axis][1] + clearance + SLACK_M + own[axis][1] for at in taken}
+            )
             for axis in (0, 1)
-        ]  # fmt: skip
+        ]
         yield from (_in(thing, container, z, point, quarter) for point in product(lines[0], lines[1]))
 
 

@@ -36,9 +36,19 @@ def ways(upper: str, lower: str, x: float) -> Iterator[list[Json]]:
 
 def _thing(name: str, x: float, y: float, z: float) -> Json:
     return {
-        "name": name, "type": "cube", "colour": name.partition("_")[0], "x": x, "y": y, "z": z, "yaw": 0.0,
-        "size": [SIDE_M] * 3, "sigma_m": 0.001, "looks": 5, "agreeing": 5, "at_rest": True,
-    }  # fmt: skip
+        "name": name,
+        "type": "cube",
+        "colour": name.partition("_")[0],
+        "x": x,
+        "y": y,
+        "z": z,
+        "yaw": 0.0,
+        "size": [SIDE_M] * 3,
+        "sigma_m": 0.001,
+        "looks": 5,
+        "agreeing": 5,
+        "at_rest": True,
+    }
 
 
 _stacked, _apart, *_rest = ways(*PAIRS[0], x=0.5)

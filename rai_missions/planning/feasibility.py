@@ -248,7 +248,16 @@ def _heights(goal: Goal, scene: Scene, workspace: Workspace) -> Found:
 
 Rule = Callable[[Goal, Scene, Workspace], Found]
 RULES: tuple[Rule, ...] = (
-    _seen, _containers, _supports, _cycles, _two_places, _crowded, _heights, _contradictions, _places, _immovable,
+    _seen,
+    _containers,
+    _supports,
+    _cycles,
+    _two_places,
+    _crowded,
+    _heights,
+    _contradictions,
+    _places,
+    _immovable,
     _graspable,
-)  # fmt: skip
+)
 """In this order, so that each may rely on those before it."""

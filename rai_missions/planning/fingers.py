@@ -79,9 +79,10 @@ def _hand(thing: Thing, yaw: float) -> Iterator[tuple[Footprint, float]]:
         for thick, wide, from_z in ((TIP_M, TIP_WIDE_M, -TIP_DOWN_M), (FINGER_M, FINGER_WIDE_M, FINGER_UP_M)):
             swept = OPEN_M + thick
             along = side * (half + swept / 2)
-            yield box(
-                thing.x + math.cos(yaw) * along, thing.y + math.sin(yaw) * along, (swept, wide), yaw
-            ), thing.z + from_z  # fmt: skip
+            yield (
+                box(thing.x + math.cos(yaw) * along, thing.y + math.sin(yaw) * along, (swept, wide), yaw),
+                thing.z + from_z,
+            )
 
 
 def _is_blocked(part: tuple[Footprint, float], others: list[Thing]) -> bool:

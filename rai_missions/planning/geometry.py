@@ -114,8 +114,9 @@ def _distance(one: Sequence[Point], other: Sequence[Point]) -> float:
             away = min(aways)
             if away < found - SAME_M:
                 continue
-            feet = any(_is_along(point, start, end) for point, each in zip(others, aways, strict=True)
-                       if each <= away + SAME_M)  # fmt: skip
+            feet = any(
+                _is_along(point, start, end) for point, each in zip(others, aways, strict=True) if each <= away + SAME_M
+            )
             is_foot = feet or (is_foot and away <= found + SAME_M)
             found = max(found, away)
     if (found >= 0 and not is_foot) or found == -math.inf:

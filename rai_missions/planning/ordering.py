@@ -37,10 +37,19 @@ class Ordering:
     """
 
     def __init__(
-        self, present: Arrangement, below: dict[str, str | None], final: Arrangement, carriers: dict[str, str | None],
-        *, names: Sequence[str], reasons: dict[str, str], workspace: Workspace, clearance: float,
-        careful: bool = False, avoided: Collection[AvoidedPlace] = (),
-    ) -> None:  # fmt: skip
+        self,
+        present: Arrangement,
+        below: dict[str, str | None],
+        final: Arrangement,
+        carriers: dict[str, str | None],
+        *,
+        names: Sequence[str],
+        reasons: dict[str, str],
+        workspace: Workspace,
+        clearance: float,
+        careful: bool = False,
+        avoided: Collection[AvoidedPlace] = (),
+    ) -> None:
         self.now, self.below = dict(present), dict(below)
         self.final, self.carriers, self.reasons = final, carriers, reasons
         self.workspace, self.clearance, self.careful = workspace, clearance, careful

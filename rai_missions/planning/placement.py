@@ -94,10 +94,19 @@ class Placement:
     """
 
     def __init__(
-        self, goal: Goal, scene: Scene, workspace: Workspace, *, below: dict[str, str | None], movers: Sequence[str],
-        clearance: float, budget: int, lined_up: bool = False, leaving: Collection[str] = (),
+        self,
+        goal: Goal,
+        scene: Scene,
+        workspace: Workspace,
+        *,
+        below: dict[str, str | None],
+        movers: Sequence[str],
+        clearance: float,
+        budget: int,
+        lined_up: bool = False,
+        leaving: Collection[str] = (),
         avoided: Collection[AvoidedPlace] = (),
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.goal, self.scene, self.workspace, self.clearance = goal, scene, workspace, clearance
         self.present = scene.by_name
         self.wanted: dict[str, str] = {
@@ -175,8 +184,11 @@ class Placement:
 
     def _is_next_to_another_place(self, there: Thing) -> bool:
         """Whether a thing at its named place leaves the fingers too little room at the named place of another."""
-        others = (self.present[each.at].moved(each.x, each.y, there.z) for each in self.goal.of_kind(AtPlace)
-                  if each.at != there.name and (each.x, each.y) != self._named_place(there.name))  # fmt: skip
+        others = (
+            self.present[each.at].moved(each.x, each.y, there.z)
+            for each in self.goal.of_kind(AtPlace)
+            if each.at != there.name and (each.x, each.y) != self._named_place(there.name)
+        )
         return any(_is_near(there, other, self.clearance) for other in others)
 
     # -- candidates ----------------------------------------------------------------------------------------------------
@@ -340,8 +352,13 @@ class Placement:
 
     def _needed(self, name: str) -> dict[str, float]:
         """Name → the free distance that was asked for next to it, which may be less than the clearance."""
-        return {other: max(LEAST_M, each.gap_m - 0.001) for each in self.goal.all if isinstance(each, Beyond)
-                and each.gap_m is not None and name in each.pair for other in each.pair if other != name}  # fmt: skip
+        return {
+            other: max(LEAST_M, each.gap_m - 0.001)
+            for each in self.goal.all
+            if isinstance(each, Beyond) and each.gap_m is not None and name in each.pair
+            for other in each.pair
+            if other != name
+        }
 
     def _chain(self, name: str, below: str | None) -> set[str]:
         """What carries a thing, down to the desk, itself included."""
@@ -400,8 +417,11 @@ class Placement:
         if any(self._named_place(thing.name) is not None for thing in things):
             return True
         if isinstance(predicate, Apart):
-            return all(gap(one.footprint, other.footprint) >= self._apart(one, other)
-                       for place, one in enumerate(things) for other in things[:place])  # fmt: skip
+            return all(
+                gap(one.footprint, other.footprint) >= self._apart(one, other)
+                for place, one in enumerate(things)
+                for other in things[:place]
+            )
         if not is_whole:
             return True
         if isinstance(predicate, Beyond) and predicate.gap_m is None:

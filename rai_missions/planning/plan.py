@@ -68,10 +68,15 @@ class PlannedMove:
     def written(self) -> dict[str, Any]:
         """As plain data."""
         return {
-            "kind": "pick_and_place", "object": self.object, "pick": self.pick.written(), "place": self.place.written(),
+            "kind": "pick_and_place",
+            "object": self.object,
+            "pick": self.pick.written(),
+            "place": self.place.written(),
             "spare": self.spare.written() if self.spare is not None else None,
-            "onto": self.onto, "assumes": list(self.assumes), "why": self.why,
-        }  # fmt: skip
+            "onto": self.onto,
+            "assumes": list(self.assumes),
+            "why": self.why,
+        }
 
 
 @dataclass(frozen=True)

@@ -60,9 +60,13 @@ def feasible(goal: Goal, scene: Scene, workspace: Workspace | None = None) -> Re
 
 
 def planned(
-    goal: Goal, scene: Scene, workspace: Workspace | None = None, *, language: str = ENGLISH,
+    goal: Goal,
+    scene: Scene,
+    workspace: Workspace | None = None,
+    *,
+    language: str = ENGLISH,
     avoided: Sequence[AvoidedPlace] = (),
-) -> Plan | Refusal:  # fmt: skip
+) -> Plan | Refusal:
     """The moves that reach a goal, or why it is refused. The same question has the same answer.
 
     What moves is taken as at rest where it was seen, and the gripper as empty; each move states so.
@@ -127,8 +131,9 @@ class _Planner:
     def plan(self) -> Plan | None:
         for clearances in (CLEARANCES_M[:2], CLEARANCES_M[2:]):
             for movers, lined_up in self._choices():
-                found = [moves for each in clearances
-                         if (moves := self._moves(movers, each, lined_up=lined_up)) is not None]  # fmt: skip
+                found = [
+                    moves for each in clearances if (moves := self._moves(movers, each, lined_up=lined_up)) is not None
+                ]
                 if found:
                     return Plan(self._with_spare(min(found, key=len)))
         return None
@@ -223,9 +228,17 @@ class _Planner:
             budget = BUDGET_OF_LAST if lined_up or len(movers) == len(self.movable) else BUDGET
             budget = min(budget, self.left)
             placement = Placement(
-                self.goal, self.scene, self.workspace, below=self.below, movers=movers, clearance=clearance,
-                budget=budget, lined_up=lined_up, leaving=leaving, avoided=self.avoided,
-            )  # fmt: skip
+                self.goal,
+                self.scene,
+                self.workspace,
+                below=self.below,
+                movers=movers,
+                clearance=clearance,
+                budget=budget,
+                lined_up=lined_up,
+                leaving=leaving,
+                avoided=self.avoided,
+            )
             is_found = placement.found()
             self.left -= budget - max(0, placement.left)
             if is_found:
@@ -246,13 +259,20 @@ class _Planner:
     def _ordered(self, placement: Placement, clearance: float) -> tuple[PlannedMove, ...] | None:
         orders = (
             Ordering(
-                self.present, self.below, placement.final, placement.below, names=self._first(placement.order),
-                reasons=self._reasons(placement), workspace=self.workspace, clearance=each, careful=careful,
+                self.present,
+                self.below,
+                placement.final,
+                placement.below,
+                names=self._first(placement.order),
+                reasons=self._reasons(placement),
+                workspace=self.workspace,
+                clearance=each,
+                careful=careful,
                 avoided=self.avoided,
             ).moves()
             for careful in (True, False)
             for each in (clearance, LEAST_M)
-        )  # fmt: skip
+        )
         return next((moves for moves in orders if moves is not None), None)
 
     def _crowding(self, movers: tuple[str, ...]) -> Iterator[str]:

@@ -251,9 +251,16 @@ def _apart(predicate: Apart, scene: Scene, margin: float) -> bool:
 
 
 TESTS: Mapping[type[Predicate], Callable[[Any, Scene, float], bool]] = {
-    OnTop: _on, AtPlace: _at, InContainer: _in, LeftOf: _beyond, Behind: _beyond, Between: _between, NextTo: _next_to,
-    Grouped: _grouped, Apart: _apart,
-}  # fmt: skip
+    OnTop: _on,
+    AtPlace: _at,
+    InContainer: _in,
+    LeftOf: _beyond,
+    Behind: _beyond,
+    Between: _between,
+    NextTo: _next_to,
+    Grouped: _grouped,
+    Apart: _apart,
+}
 """Kind of predicate → how it is compared, where every thing of it is seen, certain and at rest."""
 
 
@@ -269,8 +276,11 @@ def columns(goal: Goal) -> Iterator[tuple[str, ...]]:
     pairs = [each.on for each in goal.of_kind(OnTop)]
     for upper, lower in pairs:
         above.setdefault(lower, []).append(upper)
-    lowest = [(name,) for lower, name in ((lower, lower) for _, lower in pairs)
-              if lower != DESK and not any(upper == lower for upper, _ in pairs)]  # fmt: skip
+    lowest = [
+        (name,)
+        for lower, name in ((lower, lower) for _, lower in pairs)
+        if lower != DESK and not any(upper == lower for upper, _ in pairs)
+    ]
     starts = [*dict.fromkeys(lowest), *((DESK, upper) for upper, lower in pairs if lower == DESK)]
     for start in starts:
         column = start

@@ -26,9 +26,11 @@ ROUND = frozenset({"apple", "tomato", "carrot", "corn"})
 BALLS = frozenset({"apple", "tomato"})
 """Types whose footprint is a disc."""
 COLOURS: Mapping[str, frozenset[str]] = {
-    "apple": frozenset({"red", "green", "yellow"}), "tomato": frozenset({"red"}), "carrot": frozenset({"orange"}),
+    "apple": frozenset({"red", "green", "yellow"}),
+    "tomato": frozenset({"red"}),
+    "carrot": frozenset({"orange"}),
     "corn": frozenset({"yellow"}),
-}  # fmt: skip
+}
 """Types → the colours that they may have, where what is seen does not name one; other types may have any."""
 AGREEING = 3
 """Looks that must agree on a thing's class before it counts."""
@@ -75,9 +77,21 @@ class Thing(MissionModel):
     """Whether it does not move."""
 
     def __init__(
-        self, name: str, type: ThingType, x: float, y: float, z: float, *, size: tuple[float, float, float],
-        sigma_m: float, at_rest: bool, yaw: float = 0.0, colour: str = "", looks: int = 0, agreeing: int = 0,
-    ) -> None: ...  # fmt: skip
+        self,
+        name: str,
+        type: ThingType,
+        x: float,
+        y: float,
+        z: float,
+        *,
+        size: tuple[float, float, float],
+        sigma_m: float,
+        at_rest: bool,
+        yaw: float = 0.0,
+        colour: str = "",
+        looks: int = 0,
+        agreeing: int = 0,
+    ) -> None: ...
 
     @property
     def bottom(self) -> float:

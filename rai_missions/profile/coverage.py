@@ -42,9 +42,13 @@ def missing(mission: Mission, robot: Robot, *, remedies: Mapping[str, str] = NOT
     given_mission(mission, "missing")
     index = MissionIndex(mission)
     return (
-        *_keys(mission, robot, remedies), *_events(index, robot), *_interfaces(index, robot, remedies),
-        *_templates(index, robot), *_composed(index, robot), *_rules(index, robot),
-    )  # fmt: skip
+        *_keys(mission, robot, remedies),
+        *_events(index, robot),
+        *_interfaces(index, robot, remedies),
+        *_templates(index, robot),
+        *_composed(index, robot),
+        *_rules(index, robot),
+    )
 
 
 def missing_tools(mission: Mission, robot: Robot) -> Iterator[Fault]:

@@ -188,7 +188,10 @@ def _written(
 ) -> dict[str, Any]:
     """The profile as its JSON would be."""
     return {
-        "format": 1, "name": robot.name, "connector": connector, "blackboard": facts,
+        "format": 1,
+        "name": robot.name,
+        "connector": connector,
+        "blackboard": facts,
         "events": {name: {"topic": EVENTS + name} for name in (mission.events if mission is not None else ())},
         "actions": {
             name: {"action": name, "uses": list(action.uses), "keep": action.keep, "repeat": action.repeat}
@@ -200,4 +203,4 @@ def _written(
         },
         "topics": {name: {"topic": MESSAGES + name, "type": ""} for name in robot.topic_functions},
         "rules": robot.rules,
-    } | ({"about": robot.about} if robot.about else {})  # fmt: skip
+    } | ({"about": robot.about} if robot.about else {})

@@ -73,10 +73,17 @@ class Proof(NamedTuple):
 
 
 def prove(
-    mission: Mission, ticker: Trees | None = None, *, terms: RobotFacts | None = None, most: int = MOST_STATES,
-    seconds: float = math.inf, memory_mb: float = math.inf, work: float = math.inf, continues: bool = False,
+    mission: Mission,
+    ticker: Trees | None = None,
+    *,
+    terms: RobotFacts | None = None,
+    most: int = MOST_STATES,
+    seconds: float = math.inf,
+    memory_mb: float = math.inf,
+    work: float = math.inf,
+    continues: bool = False,
     progress: Callable[[int, int], None] = lambda found, done: None,
-) -> Proof:  # fmt: skip
+) -> Proof:
     """Explore every run of a mission.
 
     Values are distinguished as far as the mission's guards do; timers run out in any order; named guards are free. The
@@ -111,9 +118,13 @@ class _ProofRun:
     """One proof in the making: of all runs, then of those in which the operator leaves the mission alone."""
 
     def __init__(
-        self, mission: Mission, ticker: Trees | None, terms: RobotFacts | None, limits: Limits,
+        self,
+        mission: Mission,
+        ticker: Trees | None,
+        terms: RobotFacts | None,
+        limits: Limits,
         progress: Callable[[int, int], None],
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._mission, self._ticker, self._progress = mission, ticker, progress
         self._terms = terms if terms is not None else RobotFacts()
         self._limits, self._began = limits, time.perf_counter()
@@ -164,20 +175,31 @@ class _ProofRun:
         names = [name for _, name, state in self._mission.walk() if state.word != "history"]
         states, steps, depth = space.covered
         return Proof(
-            claims=tuple(found), ways=ways, states=states, steps=steps, depth=depth,
-            farthest=max(space.distances(space.ends), default=0), is_whole=space.is_whole,
-            stopped=space.meter.stopped, done=space.done,
-            assumed=tuple(sorted(world.assumed)), in_pause=tuple(sorted(space.findings.in_pause)),
-            predicates=tuple(sorted(world.predicates)), sampled=world.values.learned.sampled,
+            claims=tuple(found),
+            ways=ways,
+            states=states,
+            steps=steps,
+            depth=depth,
+            farthest=max(space.distances(space.ends), default=0),
+            is_whole=space.is_whole,
+            stopped=space.meter.stopped,
+            done=space.done,
+            assumed=tuple(sorted(world.assumed)),
+            in_pause=tuple(sorted(space.findings.in_pause)),
+            predicates=tuple(sorted(world.predicates)),
+            sampled=world.values.learned.sampled,
             alike={str(loop): loop.rounds for loop, many in self._rounds.items() if many < loop.rounds},
             never=tuple(name for name in names if name not in space.findings.entered) if space.is_whole else (),
             seconds=time.perf_counter() - self._began,
-        )  # fmt: skip
+        )
 
     def _explored(
-        self, *, wanted: Collection[str] = (), is_calm: bool = False,
+        self,
+        *,
+        wanted: Collection[str] = (),
+        is_calm: bool = False,
         progress: Callable[[int, int], None] = lambda found, done: None,
-    ) -> Space:  # fmt: skip
+    ) -> Space:
         for one_by_one in (True, False):
             left = self._limits.seconds - (time.perf_counter() - self._began)
             environment, limits = self._environment(self._few, is_calm=is_calm), self._limits._replace(seconds=left)
@@ -215,7 +237,7 @@ class _ProofRun:
 
 def record(
     path: Path, header: Header, mission: Mission, runs: list[TraceStep], *, terms: RobotFacts | None = None
-) -> bool:  # fmt: skip
+) -> bool:
     """Have a chart that keeps time do the run of a refutation, into a new journal.
 
     Returns:

@@ -83,10 +83,15 @@ class Abstraction:
         self.names_orphans = "orphaned" in triggers
         self._names_failed_calls = "call_failed" in triggers
         rests: Mapping[Holds, Callable[[Any], Any]] = {
-            "timers": _rest_timers, "deadlines": _rest_instants, "settling": _rest_instants, "deadline": _soon,
-            "goals": _rest_goals, "activities": self._rest_activities, "rounds": _rest_rounds,
+            "timers": _rest_timers,
+            "deadlines": _rest_instants,
+            "settling": _rest_instants,
+            "deadline": _soon,
+            "goals": _rest_goals,
+            "activities": self._rest_activities,
+            "rounds": _rest_rounds,
             "lists": _rest_lists,
-        }  # fmt: skip
+        }
         self._rests = [(each.name, rests[each.holds]) for each in TABLE if each.holds in rests]
 
     def settle(self) -> None:
@@ -337,9 +342,8 @@ def _rest_timers(timers: dict[Any, Timer]) -> dict[Any, Timer]:
 
 def _rest_goals(goals: dict[int, Goal]) -> dict[int, Goal]:
     return {
-        number: goal if goal.until in (SOON, math.inf) else goal._replace(until=SOON)
-        for number, goal in goals.items()
-    }  # fmt: skip
+        number: goal if goal.until in (SOON, math.inf) else goal._replace(until=SOON) for number, goal in goals.items()
+    }
 
 
 def _rest_rounds(rounds: OpenRounds) -> OpenRounds:

@@ -91,9 +91,12 @@ class Environment:
     ) -> None:
         self.choices, self.instruments = Choices(), Instruments(is_foreign=bool(mission.uses))
         self.chart = chart = Chart(
-            mission, ticker, terms=terms, named=predicates_in(mission, self.choices),
+            mission,
+            ticker,
+            terms=terms,
+            named=predicates_in(mission, self.choices),
             surroundings=OpenSurroundings(self),
-        )  # fmt: skip
+        )
         self.instruments.watch_finals(chart.program)
         self.world = OpenWorld(chart, self.choices)
         self.control = ControlEnvironment(chart, self.choices, is_calm=is_calm)

@@ -71,10 +71,15 @@ class Space(StateGraph):
     """
 
     def __init__(
-        self, environment: Environment, limits: Limits | int = MOST_STATES,
-        progress: OnProgress = lambda found, done: None, *, wanted: Collection[str] = (), by_parts: bool = True,
+        self,
+        environment: Environment,
+        limits: Limits | int = MOST_STATES,
+        progress: OnProgress = lambda found, done: None,
+        *,
+        wanted: Collection[str] = (),
+        by_parts: bool = True,
         one_by_one: bool = False,
-    ) -> None:  # fmt: skip
+    ) -> None:
         super().__init__()
         self.environment, self._progress, self._wanted = environment, progress, frozenset(wanted)
         self.meter = Meter(Limits(limits) if isinstance(limits, int) else limits)
@@ -313,9 +318,7 @@ class Space(StateGraph):
             kept = kept.union(*(words for group, words in enumerate(self._words_here) if group not in arrival.needs))
         self.join(source, number, kind, kept)
 
-    def repeat(
-        self, noted: Iterable[Sequence[NotedArrival]], steps: int, source: int, store: Store, code: int
-    ) -> None:  # fmt: skip
+    def repeat(self, noted: Iterable[Sequence[NotedArrival]], steps: int, source: int, store: Store, code: int) -> None:
         """The same happens in a state of which every part and the frame are known."""
         numbers, targets, kept, codes = self._numbers, self._targets, self._kept, self._codes
         inner = codes.inner(code)

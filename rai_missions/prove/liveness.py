@@ -256,8 +256,11 @@ class LiveReads:
     def _of_transition(self, transition: CompiledTransition) -> frozenset[str]:
         definition = transition.definition
         reads = {*self._mentions(definition.when), *self._reads_of(definition.do)}
-        written = {effect.set for effect in definition.do
-                   if isinstance(effect, Set) and effect.add is None and effect.source is None}  # fmt: skip
+        written = {
+            effect.set
+            for effect in definition.do
+            if isinstance(effect, Set) and effect.add is None and effect.source is None
+        }
         later = frozenset[str]().union(*(self._live[node] for node in self._into(transition.targets)))
         recalled = {RECALL + target.name for target in transition.targets if target.is_history}
         return frozenset(reads | recalled) | {word for word in later if _root(word) not in written}

@@ -94,8 +94,10 @@ def _most_at_once(state: State) -> float:
     """So many rounds may end in one step before the last one; those without a number are any number."""
     loops = {path: node for path, node in state.nodes().items() if isinstance(node, Retry | Repeat)}
     many = {path: _rounds(node) if _rounds(node) >= 0 else math.inf for path, node in loops.items()}
-    ended = sum(math.prod(each for outer, each in many.items() if f"{path}/".startswith(f"{outer}/" if outer else ""))
-                for path in many)  # fmt: skip
+    ended = sum(
+        math.prod(each for outer, each in many.items() if f"{path}/".startswith(f"{outer}/" if outer else ""))
+        for path in many
+    )
     return ended - 1 + len(many)
 
 
@@ -157,9 +159,11 @@ def _rebuilt(value: Any, numbers: Mapping[int, int]) -> Any:
 
 
 def unlike(
-    space: StateGraph, levels: Mapping[int, Mapping[Loop, Level]], rounds: Mapping[Loop, int],
+    space: StateGraph,
+    levels: Mapping[int, Mapping[Loop, Level]],
+    rounds: Mapping[Loop, int],
     marks: Collection[Collection[int]],
-) -> list[Loop]:  # fmt: skip
+) -> list[Loop]:
     """The loops whose last rounds before the last one are not the same: more of them must be explored.
 
     Args:
@@ -174,9 +178,14 @@ def unlike(
         for loop, level in found.items():
             states[loop][level.ended].add((level.rest, marked))
     leaps = _leaps(space, levels)
-    return [loop for loop, many in rounds.items() if many < loop.rounds and not _are_alike(
-        [states[loop].get(ended, set()) for ended in range(1, many - 1)], max(ALIKE, leaps.get(loop, 0) + 1)
-    )]  # fmt: skip
+    return [
+        loop
+        for loop, many in rounds.items()
+        if many < loop.rounds
+        and not _are_alike(
+            [states[loop].get(ended, set()) for ended in range(1, many - 1)], max(ALIKE, leaps.get(loop, 0) + 1)
+        )
+    ]
 
 
 def _are_alike(rounds: list[set[Any]], many: int) -> bool:

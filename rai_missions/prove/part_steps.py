@@ -90,9 +90,14 @@ class PartSteps:
     """
 
     def __init__(
-        self, search: Search, parts: RegionParts, codes: PartCodes, stores: Stores, owner_of: Callable[[int], str],
+        self,
+        search: Search,
+        parts: RegionParts,
+        codes: PartCodes,
+        stores: Stores,
+        owner_of: Callable[[int], str],
         apart: SeparateRegions | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._search, self._parts, self._codes, self._stores = search, parts, codes, stores
         self._owner_of, self._apart = owner_of, apart
         self._every_goal = stores.question([ALL_GOALS])
@@ -188,7 +193,7 @@ class PartSteps:
 
     def _known(
         self, shares: Iterable[Share | None], store: Store, view: PartsView
-    ) -> list[tuple[Share, Course]] | None:  # fmt: skip
+    ) -> list[tuple[Share, Course]] | None:
         """Each with all that it comes to in a state; None where that is not known of all."""
         found = []
         for share in shares:
@@ -275,8 +280,10 @@ class PartSteps:
         found, others = self._search.scenes(number, place)
         by_scope = self._by_scope(spot, [*found, *others])
         every = [*range(len(slots)), OUTSIDE, OF_GOALS]
-        waiting = [[scene for scope in some for scene in by_scope[scope] if scene.happening.kind == "time"]
-                   for some in (every[:-1], every[-1:])]  # fmt: skip
+        waiting = [
+            [scene for scope in some for scene in by_scope[scope] if scene.happening.kind == "time"]
+            for some in (every[:-1], every[-1:])
+        ]
         here = StepOrigin(number, place, waiting[0], waiting[1], spot, view.parts)
         shares = [share or Share(by_scope[scope], scope) for share, scope in zip(known, every, strict=False)]
         open_ = [group for group, slot in enumerate(slots) if not slot.summary & ENDED]

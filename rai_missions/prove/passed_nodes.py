@@ -19,10 +19,20 @@ Memories = Mapping[str, Any]
 KEPT = ("run", "end")
 """What a node still remembers once it is stopped."""
 ENDS_WITH_CHILD = (
-    tree.Decision, tree.EternalGuard, tree.FailureIsSuccess, tree.Inverter, tree.OneShot, tree.PassThrough, tree.Repeat,
-    tree.Retry, tree.RunningIsFailure, tree.RunningIsSuccess, tree.StatusToBlackboard, tree.SuccessIsFailure,
+    tree.Decision,
+    tree.EternalGuard,
+    tree.FailureIsSuccess,
+    tree.Inverter,
+    tree.OneShot,
+    tree.PassThrough,
+    tree.Repeat,
+    tree.Retry,
+    tree.RunningIsFailure,
+    tree.RunningIsSuccess,
+    tree.StatusToBlackboard,
+    tree.SuccessIsFailure,
     tree.Timeout,
-)  # fmt: skip
+)
 """Where the child of such a node has ended, the node has ended as well, or the child begins again in the same step."""
 
 

@@ -60,11 +60,17 @@ def claims(mission: Mission, space: Space, *, is_sampled: bool = False) -> list[
         space: What was explored of it.
         is_sampled: Not every value that guards distinguish was tried.
     """
-    found = {each.promise: Property(each.promise, "refuted", each.sentence, each.state, each.way)
-             for each in space.findings.flaws.values()}  # fmt: skip
+    found = {
+        each.promise: Property(each.promise, "refuted", each.sentence, each.state, each.way)
+        for each in space.findings.flaws.values()
+    }
     is_whole = space.is_whole and not is_sampled
-    for claim in (*_ends(space), *_rests(space), *(_options(mission, space) if is_whole else ()),
-                  *(_rules(space) if is_whole else ())):  # fmt: skip
+    for claim in (
+        *_ends(space),
+        *_rests(space),
+        *(_options(mission, space) if is_whole else ()),
+        *(_rules(space) if is_whole else ()),
+    ):
         found.setdefault(claim.name, claim)
     rest: ClaimVerdict = "proved" if is_whole else "explored"
     return [found.get(name) or Property(name, rest) for name in CLAIMS]

@@ -92,7 +92,10 @@ def _read(part: MissionModel) -> frozenset[str]:
 def _is_alone(guard: Guard, key: str) -> bool:
     """Whether it is true or not by this key's value alone: by no other, by no time and by no state."""
     return all(
-        not each.held_s and each.age_s is None and not each.states() and not each.predicates()
+        not each.held_s
+        and each.age_s is None
+        and not each.states()
+        and not each.predicates()
         and all(path.partition(".")[0] == key for path in each.paths())
         for each in guard.walk()
-    )  # fmt: skip
+    )

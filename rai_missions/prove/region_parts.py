@@ -114,7 +114,7 @@ class RegionParts:
         parallel = self.active(run.config) if run.mode == "running" and run.final is None else None
         return parallel is not None and all(
             name in parallel.group_of for field in self._in_order for name in getattr(run, field)
-        )  # fmt: skip
+        )
 
     def spot(self, saved: SavedState) -> PartNumbers:
         """The numbers of a saved state's frame and parts; it is one that is taken apart."""
@@ -163,9 +163,13 @@ class RegionParts:
         return number
 
     def _made(
-        self, parallel: RegionGroups, group: int, atomic: tuple[Node, ...], fields: Mapping[str, dict[Any, Any]],
+        self,
+        parallel: RegionGroups,
+        group: int,
+        atomic: tuple[Node, ...],
+        fields: Mapping[str, dict[Any, Any]],
         groups: Mapping[str, Groups],
-    ) -> Part:  # fmt: skip
+    ) -> Part:
         of = parallel.group_of
         nodes = {each for node in atomic for each in (node, *node.ancestors) if of.get(each.name) == group}
         running = fields.get("running", {})
@@ -206,9 +210,12 @@ class RegionParts:
         return self.regions.named_by(self._chart.program.graph.nodes[name])
 
     def _frame(
-        self, parallel: RegionGroups, run: RunState, left: Mapping[str, dict[Any, Any]],
+        self,
+        parallel: RegionGroups,
+        run: RunState,
+        left: Mapping[str, dict[Any, Any]],
         order: Mapping[str, tuple[int, ...]],
-    ) -> int:  # fmt: skip
+    ) -> int:
         ahead = self._codec.ahead()
         key = (self._codec.core_of(run, left), parallel.node.index, sorted(order.items()), id(ahead))
         number = self._frame_numbers.get(mark := fingerprint(key))

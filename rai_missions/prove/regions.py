@@ -93,9 +93,13 @@ class Regions:
         graph, mission = chart.program.graph, chart.mission
         self._events = frozenset(mission.events).union(BUILT_IN_EVENTS)
         is_plain = not (
-            graph.controls or world.predicates or mission.uses or world.own_fade or world.doubts
+            graph.controls
+            or world.predicates
+            or mission.uses
+            or world.own_fade
+            or world.doubts
             or any(node.is_history for node in graph.order)
-        )  # fmt: skip
+        )
         found = [self._parallel(node) for node in graph.order if is_plain and _is_outermost(node)]
         self.parallels: dict[Node, RegionGroups] = {each.node: each for each in found if each is not None}
         self.tokens = self._tokens()
@@ -133,8 +137,9 @@ class Regions:
         fleeting = self._world.fleeting
         if any(each.is_each for each in inside) or any(not each.reads.isdisjoint(fleeting) for each in waiting):
             return None
-        region_of = {each.name: at for at, top in enumerate(regions) for each in inside
-                     if each is top or each.inside(top)}  # fmt: skip
+        region_of = {
+            each.name: at for at, top in enumerate(regions) for each in inside if each is top or each.inside(top)
+        }
         texts = tuple(frozenset(self._text(top)) for top in regions)
         firing = [each for each in _transitions(node) if each.condition is not None]
         read = ParallelTexts(node, region_of, texts, waiting, firing)
@@ -148,8 +153,11 @@ class Regions:
             leads.join(at for at, text in enumerate(read.texts) if token in text or read.region_of.get(token) == at)
         actions = [_actions(top) for top in read.node.children]
         for at, some in enumerate(actions):
-            leads.join(other for other, others in enumerate(actions) if other == at or any(
-                self._chart.terms.conflict(one, two) for one in some for two in others))  # fmt: skip
+            leads.join(
+                other
+                for other, others in enumerate(actions)
+                if other == at or any(self._chart.terms.conflict(one, two) for one in some for two in others)
+            )
         return leads.groups()
 
     def _grouped(self, read: ParallelTexts, groups: list[list[int]]) -> RegionGroups:
@@ -159,28 +167,33 @@ class Regions:
         group_of = {name: number[at] for name, at in read.region_of.items()}
         around = [*self._chart.mission.transitions, *(part for each in (node, *node.ancestors) for part in _own(each))]
         outer = frozenset(_names(around))
-        key_of = {key: number[at] for key in sorted(self._world.fleeting) for at, text in enumerate(texts)
-                  if key in text}  # fmt: skip
-        handlers = {event: frozenset(number[at] for at, text in enumerate(texts) if event in text)
-                    for event in self._events}  # fmt: skip
+        key_of = {
+            key: number[at] for key in sorted(self._world.fleeting) for at, text in enumerate(texts) if key in text
+        }
+        handlers = {
+            event: frozenset(number[at] for at, text in enumerate(texts) if event in text) for event in self._events
+        }
         fired = {event for each in _transitions(node) for event in each.definition.on}
         is_any = ANY_EVENT in fired
-        events = {event: OUTSIDE if is_any or event in fired or len(some) != 1 else min(some)
-                  for event, some in handlers.items()}  # fmt: skip
+        events = {
+            event: OUTSIDE if is_any or event in fired or len(some) != 1 else min(some)
+            for event, some in handlers.items()
+        }
         around_raise = {each.event for each in parts(around, Raise)} | (outer - fired)
         named = {group_of[name] for each in read.firing for name in _states(each.condition) if name in group_of}
         named |= {group for key, group in key_of.items() if key in outer}
         named |= {group for event, some in handlers.items() if event in around_raise for group in some}
         outside = {
-            group: frozenset().union(*(each.watched for each in read.waiting
-                                       if any(group_of.get(name) == group for name in _states(each))))
+            group: frozenset().union(
+                *(each.watched for each in read.waiting if any(group_of.get(name) == group for name in _states(each)))
+            )
             for group in range(len(groups))
-        }  # fmt: skip
+        }
         trees = {group_of[name] for name in read.region_of if self._has_tree(name)}
         members = tuple(tuple(node.children[at] for at in each) for each in groups)
         return RegionGroups(
             node, group_of, members, key_of, events, handlers, outside, frozenset(named), frozenset(trees)
-        )  # fmt: skip
+        )
 
     def _has_tree(self, name: str) -> bool:
         state = self._chart.program.graph.nodes[name].state

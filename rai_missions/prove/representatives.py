@@ -135,9 +135,10 @@ class Values:
         """Whole numbers to which whole numbers are added."""
         steps = self.learned.steps.items()
         return frozenset(
-            key for key, added in steps
+            key
+            for key, added in steps
             if self._keys[key].type == "integer" and all(float(each).is_integer() for each in added)
-        )  # fmt: skip
+        )
 
     def classes(self, mission: Mission) -> Mapping[str, Callable[[Any], Any]]:
         """Scalar keys that are only compared with constants → all that a rule can find out of a value."""
@@ -145,10 +146,14 @@ class Values:
         quoted = {path.split(".")[0] for each in parts(mission, Raise) for path in references(each.data)}
         quoted |= {path.split(".")[0] for path in (*learned.items, *learned.near, *learned.judged, *learned.judging)}
         return {
-            key: partial(_found_out, tuple(learned.atoms.get(key, ()))) for key, written in self._keys.items()
-            if written.type in SCALARS and len(learned.kin_of(key)) < 2 and not learned.within(key)
-            and key not in quoted and not learned.is_sampled(key)
-        }  # fmt: skip
+            key: partial(_found_out, tuple(learned.atoms.get(key, ())))
+            for key, written in self._keys.items()
+            if written.type in SCALARS
+            and len(learned.kin_of(key)) < 2
+            and not learned.within(key)
+            and key not in quoted
+            and not learned.is_sampled(key)
+        }
 
     # -- how they are made ----------------------------------------------------------------------------------------
 
@@ -291,9 +296,12 @@ class Values:
         ops = [(op, one == path) for one, op, other in met if path in (one, other)]
         if not all(op for op, _ in ops):
             return values
-        return _first(values, lambda value: tuple(
-            _truth(op, value, fixed) if is_left else _truth(op, fixed, value) for op, is_left in ops
-        ))  # fmt: skip
+        return _first(
+            values,
+            lambda value: tuple(
+                _truth(op, value, fixed) if is_left else _truth(op, fixed, value) for op, is_left in ops
+            ),
+        )
 
     def _apart(self, path: str, candidates: Iterable[Any]) -> Iterable[Any]:
         """Those that some guard treats otherwise than all before."""

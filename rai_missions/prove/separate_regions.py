@@ -121,7 +121,7 @@ class SeparateRegions:
 
     def leave(
         self, head: int, spot: PartNumbers, waits: Sequence[int], depth: int, outcomes: Mapping[int, CachedStep]
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Note what can happen in a state, by group and around all.
 
         Args:

@@ -91,12 +91,26 @@ class StateCodec:
         self.loops: tuple[Loop, ...] = ()
         """The loops of which a few rounds may represent all."""
         keys_by_kind: Mapping[Holds, Callable[[Any], Any]] = {
-            "configuration": lambda config: config.key, "state": lambda node: node.index, "events": self._events_key,
-            "memory": self._memory_key, "deadline": _is_never, "deadlines": _deadlines_key, "settling": list,
-            "controls": sorted, "invariants": sorted, "timers": _timers_key, "rounds": sorted,
-            "lists": self._lists_key, "activities": _activities_key, "calls": _calls_key, "goals": _pursued_key,
-            "board": self._board_key, "ages": self._ages_key, "since": _since_key, "payload": _payload_key,
-        }  # fmt: skip
+            "configuration": lambda config: config.key,
+            "state": lambda node: node.index,
+            "events": self._events_key,
+            "memory": self._memory_key,
+            "deadline": _is_never,
+            "deadlines": _deadlines_key,
+            "settling": list,
+            "controls": sorted,
+            "invariants": sorted,
+            "timers": _timers_key,
+            "rounds": sorted,
+            "lists": self._lists_key,
+            "activities": _activities_key,
+            "calls": _calls_key,
+            "goals": _pursued_key,
+            "board": self._board_key,
+            "ages": self._ages_key,
+            "since": _since_key,
+            "payload": _payload_key,
+        }
         keyed = [(each.name, keys_by_kind[each.holds]) for each in TABLE if each.holds in keys_by_kind]
         plain_fields = [each.name for each in TABLE if each.holds in AS_IT_IS]
         unclear = set(HOLDS) ^ (keys_by_kind.keys() | INDIFFERENT | AS_IT_IS)
@@ -219,8 +233,11 @@ class StateCodec:
 
     def core_of(self, run: RunState, fields: Mapping[str, Any]) -> bytes:
         """The same of what is left of a saved state: it has these fields in place of its own, and no active states."""
-        keyed = [(name, to_key(value)) for name, to_key in self._to_keys.items() if name != "config"
-                 and (value := fields.get(name, getattr(run, name)))]  # fmt: skip
+        keyed = [
+            (name, to_key(value))
+            for name, to_key in self._to_keys.items()
+            if name != "config" and (value := fields.get(name, getattr(run, name)))
+        ]
         return fingerprint((self._plain_values(run), keyed))
 
     def key_of(self, field: str, entries: Mapping[Any, Any]) -> Any:

@@ -64,12 +64,14 @@ class StepCircles:
         self._passed: dict[str, Visit] | None = None
         """Places that were passed; None where circles are gone to the end."""
         keys_by_kind: Mapping[Holds, Callable[[Any], Any]] = {
-            "configuration": lambda config: config.key, "state": lambda node: node and node.name,
+            "configuration": lambda config: config.key,
+            "state": lambda node: node and node.name,
             "goals": lambda goals: _many((goal.owner, goal.action, goal.phase) for goal in goals.values()),
-            "calls": lambda calls: _many(calls.values()), "board": self._reported,
+            "calls": lambda calls: _many(calls.values()),
+            "board": self._reported,
             "timers": lambda timers: _many(timer_key(key, timer) for key, timer in timers.items()),
             "activities": lambda running: [(name, key_of(activity)) for name, activity in running.items()],
-        }  # fmt: skip
+        }
         self._lists: dict[str, tuple[int, set[str]]] = {}
         """`each` → its current item, and the places in which the macrostep in hand has asked for more items."""
         self._fields = [(each.name, keys_by_kind.get(each.holds)) for each in TABLE if each.holds not in INDIFFERENT]
@@ -144,8 +146,10 @@ class StepCircles:
         return self._state(state), len(self._world.choices.trail), self._draft(state)
 
     def _state(self, state: RunState) -> list[tuple[str, Any]]:
-        return [(name, to_key(getattr(state, name)) if to_key is not None else _ordered(getattr(state, name)))
-                for name, to_key in self._fields]  # fmt: skip
+        return [
+            (name, to_key(getattr(state, name)) if to_key is not None else _ordered(getattr(state, name)))
+            for name, to_key in self._fields
+        ]
 
     def _draft(self, state: RunState) -> tuple[Any, ...]:
         draft = state.draft

@@ -147,22 +147,45 @@ class StepMaker:
         is_absolute = ALL_GOALS in instruments.asked
         ahead = codec.ahead()
         change = self._stores.change(
-            written, added, tuple(goals if is_absolute else goals[many:]), environment.rest.rivals,
-            ahead.kept, ahead.question, is_absolute=is_absolute,
-        )  # fmt: skip
+            written,
+            added,
+            tuple(goals if is_absolute else goals[many:]),
+            environment.rest.rivals,
+            ahead.kept,
+            ahead.question,
+            is_absolute=is_absolute,
+        )
         levels = codec.levels() if codec.loops else ()
         mode, is_whole = chart.mode, self._parts is None or not self._parts.takes(chart.state)
         core = codec.core() if is_whole else b""
         saved = codec.take()
         spot = self._parts.spot(saved) if not is_whole and self._parts is not None else None
         footprint, changed = self._footprint(here, scene, wakes, moves, spot, has_ended=False)
-        kept = None if waits is None else self._lists(moves).union(
-            each.happening.words for each in waits
-            if footprint is NOTHING or each.scope < 0 or each.scope in footprint.needs)  # fmt: skip
+        kept = (
+            None
+            if waits is None
+            else self._lists(moves).union(
+                each.happening.words
+                for each in waits
+                if footprint is NOTHING or each.scope < 0 or each.scope in footprint.needs
+            )
+        )
         return Arrival(
-            way, happening.kind, has_moved, None, core, None if spot is not None else saved, change, mode, levels,
-            kept, happening.is_of_goal, spot, changed, footprint.needs,
-        ), footprint  # fmt: skip
+            way,
+            happening.kind,
+            has_moved,
+            None,
+            core,
+            None if spot is not None else saved,
+            change,
+            mode,
+            levels,
+            kept,
+            happening.is_of_goal,
+            spot,
+            changed,
+            footprint.needs,
+        ), footprint
 
     def _lists(self, moves: Iterable[Move]) -> frozenset[str]:
         """Which lists turned out to be longer in a step, and which it began with: see `circling`."""
@@ -184,9 +207,15 @@ class StepMaker:
         return self._parts.regions.mask(tokens)
 
     def _footprint(
-        self, here: StepOrigin, scene: StepCase, wakes: int, moves: Sequence[Move], spot: PartNumbers | None, *,
+        self,
+        here: StepOrigin,
+        scene: StepCase,
+        wakes: int,
+        moves: Sequence[Move],
+        spot: PartNumbers | None,
+        *,
         has_ended: bool,
-    ) -> tuple[StepFootprint, tuple[tuple[int, int], ...] | None]:  # fmt: skip
+    ) -> tuple[StepFootprint, tuple[tuple[int, int], ...] | None]:
         """Where a step goes the same way, and which parts it changes; None where it leaves the parallel state.
 
         Why this suffices. A step begins with what happens, and continues with what that wakes. What happens is looked
@@ -238,4 +267,4 @@ class StepMaker:
         entered = {parallel.group_of.get(name, scene.scope) for move in others for name in move.entered}
         return bool(entered - {scene.scope}) or any(
             here.parts[group].is_ended for group in needs if group != scene.scope
-        )  # fmt: skip
+        )

@@ -139,9 +139,13 @@ class Stores:
     """
 
     def __init__(
-        self, facts: RobotFacts, classes: Mapping[str, Callable[[Any], Any]], counters: Collection[str] = (),
-        bounds: Bounds = NONE, idle: Collection[str] = (),
-    ) -> None:  # fmt: skip
+        self,
+        facts: RobotFacts,
+        classes: Mapping[str, Callable[[Any], Any]],
+        counters: Collection[str] = (),
+        bounds: Bounds = NONE,
+        idle: Collection[str] = (),
+    ) -> None:
         self._facts, self._bounds, self._idle = facts, bounds, frozenset(idle)
         self._classes = {**classes, **dict.fromkeys(self._idle, _is_there)}
         self.counters = frozenset(counters)
@@ -165,9 +169,16 @@ class Stores:
         return found
 
     def change(
-        self, written: Mapping[str, Any], added: Mapping[str, int], goals: tuple[Goal, ...], rivals: Rivals,
-        kept: Kept, question: StoreQuery, *, is_absolute: bool,
-    ) -> StoreChange:  # fmt: skip
+        self,
+        written: Mapping[str, Any],
+        added: Mapping[str, int],
+        goals: tuple[Goal, ...],
+        rivals: Rivals,
+        kept: Kept,
+        question: StoreQuery,
+        *,
+        is_absolute: bool,
+    ) -> StoreChange:
         """The one that does this.
 
         Args:

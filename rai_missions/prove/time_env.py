@@ -44,9 +44,14 @@ class TimeEnvironment:
     """
 
     def __init__(
-        self, chart: Chart, world: OpenWorld, codec: StateCodec, inputs: InputEnvironment, rest: Abstraction,
+        self,
+        chart: Chart,
+        world: OpenWorld,
+        codec: StateCodec,
+        inputs: InputEnvironment,
+        rest: Abstraction,
         instruments: Instruments,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._chart, self._world, self._codec, self._inputs = chart, world, codec, inputs
         self._rest, self._instruments = rest, instruments
         self._over = ("", frozenset[str]())

@@ -76,9 +76,13 @@ def _end(environment: Environment) -> tuple[str | None, str, bytes]:
 
 
 def _round_before(
-    every: Environment, before: Place, few: Environment, way: Edge, levels: Sequence[Mapping[Loop, Level]],
+    every: Environment,
+    before: Place,
+    few: Environment,
+    way: Edge,
+    levels: Sequence[Mapping[Loop, Level]],
     rounds: Mapping[Loop, int],
-) -> RepeatedPart | None:  # fmt: skip
+) -> RepeatedPart | None:
     """The round that must be gone more often before a way leads where it should."""
     for loop, many in rounds.items():
         found = _round(loop, levels)

@@ -93,9 +93,13 @@ def write_of(key: str, value: Any, at: float) -> Json:
 def call_of(service: str, request: Mapping[str, Any], reply: Reply, seconds: float) -> Json:
     """A call of a service, with its request in a line of bounded length."""
     return {
-        "service": service, "request": short(request), "seconds": seconds, "outcome": reply.outcome,
-        "data": plain(reply.data), "why": reply.why,
-    }  # fmt: skip
+        "service": service,
+        "request": short(request),
+        "seconds": seconds,
+        "outcome": reply.outcome,
+        "data": plain(reply.data),
+        "why": reply.why,
+    }
 
 
 def report_of(action: str, report: Report) -> Json:
@@ -107,10 +111,14 @@ def report_of(action: str, report: Report) -> Json:
 def status_of(status: Status, mission: Mission) -> Json:
     """A status, with the innermost states as one text."""
     return {
-        "revision": status.revision, "mode": status.mode, "control": status.control,
-        "state": state_of(status.active, mission), "active": list(status.active), "outcome": status.outcome or "",
+        "revision": status.revision,
+        "mode": status.mode,
+        "control": status.control,
+        "state": state_of(status.active, mission),
+        "active": list(status.active),
+        "outcome": status.outcome or "",
         "why": status.why,
-    }  # fmt: skip
+    }
 
 
 def state_of(active: Sequence[str], mission: Mission) -> str:
@@ -137,6 +145,10 @@ def log_of(step: Json, mission: str, at_ns: int) -> Json:
         level = WARNING
     message = " · ".join([f"{step['at']:.2f} s  {step['event']['name']}", *filter(None, parts)])
     return {
-        "timestamp": stamp(at_ns), "level": level, "message": message, "name": "rai_missions", "file": mission,
+        "timestamp": stamp(at_ns),
+        "level": level,
+        "message": message,
+        "name": "rai_missions",
+        "file": mission,
         "line": step["seq"],
-    }  # fmt: skip
+    }

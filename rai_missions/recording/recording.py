@@ -83,9 +83,15 @@ class Recording:
     """
 
     def __init__(
-        self, target: RecordingFile, *, mission: Mission, about: Mapping[str, Any], now: Callable[[], float],
-        clean: Callable[[Any], Any] | None = None, profile: str = "",
-    ) -> None:  # fmt: skip
+        self,
+        target: RecordingFile,
+        *,
+        mission: Mission,
+        about: Mapping[str, Any],
+        now: Callable[[], float],
+        clean: Callable[[Any], Any] | None = None,
+        profile: str = "",
+    ) -> None:
         from rai_missions.recording.mcap_writer import File  # loads mcap
 
         self._target, self.path, self._mission, self._now = target, target.path, mission, now
@@ -98,17 +104,22 @@ class Recording:
         self._journal: Path | None = None
         self._file = File(target.stream, profile)
         self._pen = MessageEncoder(self._file, mission)
-        self._queue = RecordingQueue((
-            Route("message", self._write_received), Route("picture", self._write_received),
-            Route("message", lambda given, when: self._pen.raw(given[0], given[1], when)),
-            Route("row", lambda given, when: self._pen.row(given[0], given[1], when)),
-            self._json(
-                CALLS, CALL, lambda service, request, seconds, *reply: call_of(service, request, Reply(*reply), seconds)
-            ),
-            self._json(GOALS, GOAL, lambda action, *report: report_of(action, Report(*report))),
-            self._json(WRITES, BLACKBOARD, write_of),
-            self._json(STATUSES, STATUS, lambda status: status_of(status, mission)),
-        ))  # fmt: skip
+        self._queue = RecordingQueue(
+            (
+                Route("message", self._write_received),
+                Route("picture", self._write_received),
+                Route("message", lambda given, when: self._pen.raw(given[0], given[1], when)),
+                Route("row", lambda given, when: self._pen.row(given[0], given[1], when)),
+                self._json(
+                    CALLS,
+                    CALL,
+                    lambda service, request, seconds, *reply: call_of(service, request, Reply(*reply), seconds),
+                ),
+                self._json(GOALS, GOAL, lambda action, *report: report_of(action, Report(*report))),
+                self._json(WRITES, BLACKBOARD, write_of),
+                self._json(STATUSES, STATUS, lambda status: status_of(status, mission)),
+            )
+        )
         words = {"format": FORMAT, "mission": mission.name, "version": mission.version, "began_ns": str(self._began_ns)}
         self._file.describe("rai_missions", {**words, **about})
         self.summary: Summary | None = None

@@ -37,9 +37,12 @@ def _list(item: Json) -> Json:
 
 def _schema(title: str, about: str, /, **properties: Json) -> Schema:
     whole = {
-        "$schema": "https://json-schema.org/draft/2020-12/schema", "title": title, "description": about,
-        **_object(**properties), "required": list(properties),
-    }  # fmt: skip
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": title,
+        "description": about,
+        **_object(**properties),
+        "required": list(properties),
+    }
     return Schema(title, json.dumps(whole))
 
 
@@ -57,35 +60,70 @@ COMPRESSED_IMAGE = _schema(
     "foxglove.CompressedImage", "A compressed image", timestamp=TIME, frame_id=TEXT, data=BYTES, format=TEXT
 )
 RAW_IMAGE = _schema(
-    "foxglove.RawImage", "A raw image",
-    timestamp=TIME, frame_id=TEXT, width=COUNT, height=COUNT, encoding=TEXT, step=COUNT, data=BYTES,
-)  # fmt: skip
+    "foxglove.RawImage",
+    "A raw image",
+    timestamp=TIME,
+    frame_id=TEXT,
+    width=COUNT,
+    height=COUNT,
+    encoding=TEXT,
+    step=COUNT,
+    data=BYTES,
+)
 LOG = _schema(
     "foxglove.Log", "A log message", timestamp=TIME, level=LEVEL, message=TEXT, name=TEXT, file=TEXT, line=COUNT
 )
 JOURNAL = _schema(
-    "rai_missions.JournalRow", "A row of the journal, exactly; the rows in the order of their numbers are the journal",
-    row=COUNT, kind=TEXT, content=TEXT, hash=TEXT,
-)  # fmt: skip
+    "rai_missions.JournalRow",
+    "A row of the journal, exactly; the rows in the order of their numbers are the journal",
+    row=COUNT,
+    kind=TEXT,
+    content=TEXT,
+    hash=TEXT,
+)
 STEP = _schema(
-    "rai_missions.Step", "Everything that one event did",
-    seq=COUNT, at=NUMBER, event=_object(name=TEXT, kind=TEXT, at=NUMBER, number=COUNT), exited=_list(TEXT),
-    entered=_list(TEXT), taken=_list(TEXT), guards=_list(_object(place=TEXT, value=TEXT)), verdicts=_list(TEXT),
-    notes=_list(TEXT), effects=_list(_object(name=TEXT, about=TEXT)), outcome=TEXT, why=TEXT,
-)  # fmt: skip
+    "rai_missions.Step",
+    "Everything that one event did",
+    seq=COUNT,
+    at=NUMBER,
+    event=_object(name=TEXT, kind=TEXT, at=NUMBER, number=COUNT),
+    exited=_list(TEXT),
+    entered=_list(TEXT),
+    taken=_list(TEXT),
+    guards=_list(_object(place=TEXT, value=TEXT)),
+    verdicts=_list(TEXT),
+    notes=_list(TEXT),
+    effects=_list(_object(name=TEXT, about=TEXT)),
+    outcome=TEXT,
+    why=TEXT,
+)
 STATUS = _schema(
-    "rai_missions.Status", "What every other agent reads instead of remembering it",
-    revision=COUNT, mode=TEXT, control=TEXT, state=TEXT, active=_list(TEXT), outcome=TEXT, why=TEXT,
-)  # fmt: skip
+    "rai_missions.Status",
+    "What every other agent reads instead of remembering it",
+    revision=COUNT,
+    mode=TEXT,
+    control=TEXT,
+    state=TEXT,
+    active=_list(TEXT),
+    outcome=TEXT,
+    why=TEXT,
+)
 BLACKBOARD = _schema(
     "rai_missions.BlackboardWrite",
     "A key that was written; `value` is any JSON, `number` only where it is one (1 for true), `text` is it in short",
-    key=TEXT, at=NUMBER, text=TEXT,
-)  # fmt: skip
+    key=TEXT,
+    at=NUMBER,
+    text=TEXT,
+)
 CALL = _schema(
-    "rai_missions.Call", "How a service answered; `data` is any JSON",
-    service=TEXT, request=TEXT, outcome=TEXT, why=TEXT, seconds=NUMBER,
-)  # fmt: skip
+    "rai_missions.Call",
+    "How a service answered; `data` is any JSON",
+    service=TEXT,
+    request=TEXT,
+    outcome=TEXT,
+    why=TEXT,
+    seconds=NUMBER,
+)
 GOAL = _schema(
     "rai_missions.Goal", "What became of a goal; `data` is any JSON", action=TEXT, goal_id=TEXT, said=TEXT, why=TEXT
 )

@@ -37,9 +37,13 @@ class OpenedRun(NamedTuple):
 
 
 def open_run(
-    journal: str | Path, *, mission: Mission | None = None, robot: Robot | None = None,
-    named: Predicates | None = None, programs: Mapping[str, str] = NO_PROGRAMS,
-) -> OpenedRun:  # fmt: skip
+    journal: str | Path,
+    *,
+    mission: Mission | None = None,
+    robot: Robot | None = None,
+    named: Predicates | None = None,
+    programs: Mapping[str, str] = NO_PROGRAMS,
+) -> OpenedRun:
     """Read a run that was cut short.
 
     Args:
@@ -83,9 +87,10 @@ def open_run(
 def _others(header: Header, programs: Mapping[str, str]) -> list[str]:
     """Which files in Python have other bytes now; a mission that is in the journal is compared as what it means."""
     return [
-        name for name, now in programs.items()
+        name
+        for name, now in programs.items()
         if header.programs.get(name, now) != now and not (name == "mission" and header.mission)
-    ]  # fmt: skip
+    ]
 
 
 def _changes(before: Robot, now: Robot) -> list[str]:

@@ -53,9 +53,11 @@ class JournalReplayer:
         self._notes: tuple[str, ...] = ()
         try:
             self.chart = Chart(
-                mission, ticker, terms=terms(robot) if robot is not None else None,
+                mission,
+                ticker,
+                terms=terms(robot) if robot is not None else None,
                 named={name: partial(self._predicate, name) for name in mission.predicates()},
-            )  # fmt: skip
+            )
         except MissionError:
             raise
         except Exception as error:

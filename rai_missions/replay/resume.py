@@ -52,9 +52,11 @@ class Resumption(NamedTuple):
 
 
 def resumption(
-    record: Record, mission: Mission, ticker: Trees | None = None,
+    record: Record,
+    mission: Mission,
+    ticker: Trees | None = None,
     named: Predicates | None = None,
-) -> Resumption:  # fmt: skip
+) -> Resumption:
     """Do the steps of a journal again, to continue after the last.
 
     Args:

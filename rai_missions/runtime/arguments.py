@@ -31,9 +31,7 @@ def accepted(mission: Mission, arguments: Mapping[str, Any], *, whole: bool = Tr
         DefinitionError: One that it does not take, does not fit, or is missing.
     """
     if faults := argument_faults(mission, arguments, whole=whole):
-        raise DefinitionError(
-            [Fault(f"/blackboard/{each.argument}", each.sentence) for each in faults], mission.name
-        )  # fmt: skip
+        raise DefinitionError([Fault(f"/blackboard/{each.argument}", each.sentence) for each in faults], mission.name)
     return arguments
 
 

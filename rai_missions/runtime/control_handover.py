@@ -35,9 +35,12 @@ class Handovers:
     """
 
     def __init__(
-        self, robot: Robot, connector: Connector | None, scheduler: Scheduler,
+        self,
+        robot: Robot,
+        connector: Connector | None,
+        scheduler: Scheduler,
         on_lost: Callable[[str, bool], None],
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._robot, self._connector = robot, connector
         self._scheduler, self._lost = scheduler, on_lost
         self.letting_go: bool | None = None

@@ -68,9 +68,17 @@ class EffectExecutor:
     """
 
     def __init__(
-        self, mission: Mission, *, run: str, robot: Robot, connector: Connector | None,
-        answerers: Mapping[str, Answerer], scheduler: Scheduler, control: Control, note: Callable[[str], None],
-    ) -> None:  # fmt: skip
+        self,
+        mission: Mission,
+        *,
+        run: str,
+        robot: Robot,
+        connector: Connector | None,
+        answerers: Mapping[str, Answerer],
+        scheduler: Scheduler,
+        control: Control,
+        note: Callable[[str], None],
+    ) -> None:
         self._robot, self._connector, self._answerers = robot, connector, answerers
         self.run = run
         self._scheduler, self._control = scheduler, control
@@ -83,11 +91,18 @@ class EffectExecutor:
         self._behaviours = Behaviours(mission.behaviours(), scheduler)
         self._listener = RobotListener(robot, connector, scheduler, mission.blackboard, note)
         self._perform: Mapping[type, Callable[[Any], None]] = {
-            StartGoal: self._start, CancelGoal: self._cancel, CallService: self._call,
-            PublishMessage: self._publish, Ask: self._ask, Withdraw: self._withdraw, Handover: self._request_control,
-            StartBehaviour: self._behaviours.start, StopBehaviour: self._behaviours.stop,
-            SayAloud: self._speak, LogLine: lambda effect: log.info("%s", effect.text, extra={MISSION_LINE: True}),
-        }  # fmt: skip
+            StartGoal: self._start,
+            CancelGoal: self._cancel,
+            CallService: self._call,
+            PublishMessage: self._publish,
+            Ask: self._ask,
+            Withdraw: self._withdraw,
+            Handover: self._request_control,
+            StartBehaviour: self._behaviours.start,
+            StopBehaviour: self._behaviours.stop,
+            SayAloud: self._speak,
+            LogLine: lambda effect: log.info("%s", effect.text, extra={MISSION_LINE: True}),
+        }
 
     @property
     def holder(self) -> str | None:

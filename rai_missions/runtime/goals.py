@@ -47,9 +47,13 @@ class Goals:
     """
 
     def __init__(
-        self, run: str, robot: Robot, connector: Connector | None,
-        *, on_event: Callable[[EventKind, str, int, Mapping[str, Any]], None],
-    ) -> None:  # fmt: skip
+        self,
+        run: str,
+        robot: Robot,
+        connector: Connector | None,
+        *,
+        on_event: Callable[[EventKind, str, int, Mapping[str, Any]], None],
+    ) -> None:
         self._run, self._robot, self._connector, self._on_event = run, robot, connector, on_event
         self._ids: dict[int, str] = {}
         self._composed: dict[str, CancelGoal] = {}

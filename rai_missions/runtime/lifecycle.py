@@ -226,9 +226,17 @@ class Lifecycle:
             outcome, why = last.outcome, last.why
         waits = _waits(chart.waiting, holder, held_by) if mode in ALIVE else ""
         status = Status(
-            self.revision, mode, holder, chart.active_in_order, outcome, why, waits, chart.loose_goals, held_by,
+            self.revision,
+            mode,
+            holder,
+            chart.active_in_order,
+            outcome,
+            why,
+            waits,
+            chart.loose_goals,
+            held_by,
             chart.held_since,
-        )  # fmt: skip
+        )
         if status == last:
             return None
         self.revision += 1

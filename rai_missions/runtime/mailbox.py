@@ -35,9 +35,11 @@ class Mailbox:
     """
 
     def __init__(
-        self, clean: Callable[[Any], Any] | None = None, now: Callable[[], float] | None = None,
+        self,
+        clean: Callable[[Any], Any] | None = None,
+        now: Callable[[], float] | None = None,
         on_urgent: Callable[[], None] = lambda: None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._clean, self._now, self._on_urgent = clean, now, on_urgent
         self._drops: list[Callable[[Event], bool]] = []
         self._entrance = threading.RLock()  # a signal may come on the thread that is posting

@@ -42,9 +42,13 @@ class RobotListener:
     """
 
     def __init__(
-        self, robot: Robot, connector: Connector | None, scheduler: Scheduler,
-        keys: Mapping[str, Key] | None = None, note: Callable[[str], None] = lambda _text: None,
-    ) -> None:  # fmt: skip
+        self,
+        robot: Robot,
+        connector: Connector | None,
+        scheduler: Scheduler,
+        keys: Mapping[str, Key] | None = None,
+        note: Callable[[str], None] = lambda _text: None,
+    ) -> None:
         self._robot, self._connector, self._keys, self._note = robot, connector, keys or {}, note
         self._scheduler = scheduler
         self._closes: list[Close] = []

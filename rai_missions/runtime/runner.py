@@ -74,10 +74,17 @@ class Runner(RunCommands):
     """
 
     def __init__(
-        self, mission: Mission, *, robot: Robot | None = None, connector: Connector | None = None,
-        answerers: Mapping[str, Answerer] | None = None, clock: Clock | None = None, journal: JournalSink | None = None,
-        begin: NewRun | Resumption = NEW_RUN, observer: RunObserver = UNOBSERVED,
-    ) -> None:  # fmt: skip
+        self,
+        mission: Mission,
+        *,
+        robot: Robot | None = None,
+        connector: Connector | None = None,
+        answerers: Mapping[str, Answerer] | None = None,
+        clock: Clock | None = None,
+        journal: JournalSink | None = None,
+        begin: NewRun | Resumption = NEW_RUN,
+        observer: RunObserver = UNOBSERVED,
+    ) -> None:
         given_mission(mission, "a Runner")
         check_given(robot, (Robot, NoneType), "robot", "a Robot", "Robot.model_validate(…) makes one of data")
         check_given(connector, (Connector, NoneType), "connector", "a connector")
@@ -95,9 +102,15 @@ class Runner(RunCommands):
         self._lifecycle, self._connector = Lifecycle(), connector
         control, scheduler = self._lifecycle.control, Scheduler(self._clock, self._mailbox)
         self._executor = EffectExecutor(
-            mission, run=self.run_id, robot=robot or NO_ROBOT, connector=connector, answerers=dict(answerers or {}),
-            scheduler=scheduler, control=control, note=self.note,
-        )  # fmt: skip
+            mission,
+            run=self.run_id,
+            robot=robot or NO_ROBOT,
+            connector=connector,
+            answerers=dict(answerers or {}),
+            scheduler=scheduler,
+            control=control,
+            note=self.note,
+        )
         super().__init__(scheduler, control, self._executor.handovers)
         self._resumed: Resumption | None = None
         self._moved_aside: str | None = None
@@ -483,7 +496,14 @@ class Runner(RunCommands):
     def _result(self, began: float) -> Result:
         chart = self._chart
         return Result(
-            chart.outcome or "failed", chart.why, self._steps, self._writer.path, self.run_id,
-            tuple(sorted(chart.active)), self._decisions, self._clock.now() - began, chart.loose_goals,
+            chart.outcome or "failed",
+            chart.why,
+            self._steps,
+            self._writer.path,
+            self.run_id,
+            tuple(sorted(chart.active)),
+            self._decisions,
+            self._clock.now() - began,
+            chart.loose_goals,
             self._moved_aside,
-        )  # fmt: skip
+        )

@@ -53,12 +53,23 @@ class Action(GoalFields, State, word="action"):
     reports_robot: ClassVar = True
 
     def __init__(
-        self, action: str, *, goal: Mapping[str, Value] = {}, result: Mapping[str, str] = {},
-        achieved: GuardOrKey | None = None, settle_s: float = 0.0, cancel_s: float = 5.0, over_orphan: bool = False,
-        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
-        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
+        self,
+        action: str,
+        *,
+        goal: Mapping[str, Value] = {},
+        result: Mapping[str, str] = {},
+        achieved: GuardOrKey | None = None,
+        settle_s: float = 0.0,
+        cancel_s: float = 5.0,
+        over_orphan: bool = False,
+        about: str = "",
+        control: Controller | None = None,
+        entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (),
+        transitions: Sequence[Transition] = (),
+        timeout_s: float | None = None,
         handover_s: float = 5.0,
-    ) -> None: ...  # fmt: skip
+    ) -> None: ...
 
     def outcomes(self) -> frozenset[str]:
         ends = {"succeeded", "failed", "rejected", "canceled"}

@@ -40,11 +40,19 @@ class Call(CallFields, State, word="call"):
     reports_robot: ClassVar = True
 
     def __init__(
-        self, call: str, *, request: Mapping[str, Value] = {}, result: Mapping[str, str] = {},
-        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
-        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
+        self,
+        call: str,
+        *,
+        request: Mapping[str, Value] = {},
+        result: Mapping[str, str] = {},
+        about: str = "",
+        control: Controller | None = None,
+        entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (),
+        transitions: Sequence[Transition] = (),
+        timeout_s: float | None = None,
         handover_s: float = 5.0,
-    ) -> None: ...  # fmt: skip
+    ) -> None: ...
 
     def outcomes(self) -> frozenset[str]:
         return super().outcomes() | {"succeeded", "failed", "rejected"}

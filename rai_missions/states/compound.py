@@ -26,11 +26,18 @@ class Compound(State, word="states"):
     """The states inside, by their names."""
 
     def __init__(
-        self, *, initial: str | Sequence[str], states: Mapping[str, State],
-        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
-        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
+        self,
+        *,
+        initial: str | Sequence[str],
+        states: Mapping[str, State],
+        about: str = "",
+        control: Controller | None = None,
+        entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (),
+        transitions: Sequence[Transition] = (),
+        timeout_s: float | None = None,
         handover_s: float = 5.0,
-    ) -> None: ...  # fmt: skip
+    ) -> None: ...
 
     def children(self) -> Mapping[str, State]:
         return self.states
@@ -47,11 +54,17 @@ class Parallel(State, word="parallel"):
     """The regions, by their names; each is a state."""
 
     def __init__(
-        self, parallel: Mapping[str, State], *,
-        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
-        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
+        self,
+        parallel: Mapping[str, State],
+        *,
+        about: str = "",
+        control: Controller | None = None,
+        entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (),
+        transitions: Sequence[Transition] = (),
+        timeout_s: float | None = None,
         handover_s: float = 5.0,
-    ) -> None: ...  # fmt: skip
+    ) -> None: ...
 
     def children(self) -> Mapping[str, State]:
         return self.parallel
@@ -73,11 +86,20 @@ class Each(State, word="each"):
     """The states inside, by their names."""
 
     def __init__(
-        self, each: KeyPath, *, item: KeyPath, initial: str | Sequence[str], states: Mapping[str, State],
-        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
-        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
+        self,
+        each: KeyPath,
+        *,
+        item: KeyPath,
+        initial: str | Sequence[str],
+        states: Mapping[str, State],
+        about: str = "",
+        control: Controller | None = None,
+        entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (),
+        transitions: Sequence[Transition] = (),
+        timeout_s: float | None = None,
         handover_s: float = 5.0,
-    ) -> None: ...  # fmt: skip
+    ) -> None: ...
 
     def children(self) -> Mapping[str, State]:
         return self.states

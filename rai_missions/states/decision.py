@@ -60,9 +60,13 @@ class Option(MissionModel):
     """A person who chooses it by talk is asked once more before it counts."""
 
     def __init__(
-        self, about: str = "", *, when: GuardOrKey | None = None, parameters: Mapping[str, Any] | None = None,
+        self,
+        about: str = "",
+        *,
+        when: GuardOrKey | None = None,
+        parameters: Mapping[str, Any] | None = None,
         confirm: bool = False,
-    ) -> None: ...  # fmt: skip
+    ) -> None: ...
 
 
 class Budget(MissionModel):
@@ -110,11 +114,19 @@ class DecisionSpec(MissionModel):
     """The read-only tools that a model may use while it thinks."""
 
     def __init__(
-        self, question: str, *, options: Mapping[str, Option], evidence: Sequence[KeyPath] = (),
-        ask: Sequence[str] = ("agent", "operator", "rules"), attempts: int = 1, deadline_s: float | None = None,
-        within_s: float | None = None, fallback: str | None = None, budget: Budget = BUDGET,
+        self,
+        question: str,
+        *,
+        options: Mapping[str, Option],
+        evidence: Sequence[KeyPath] = (),
+        ask: Sequence[str] = ("agent", "operator", "rules"),
+        attempts: int = 1,
+        deadline_s: float | None = None,
+        within_s: float | None = None,
+        fallback: str | None = None,
+        budget: Budget = BUDGET,
         tools: Sequence[str] = (),
-    ) -> None: ...  # fmt: skip
+    ) -> None: ...
 
     @model_validator(mode="after")
     def _options_fit(self) -> Self:
@@ -188,13 +200,26 @@ class Decision(State, word="decision"):
     decision: DecisionSpec
 
     def __init__(
-        self, question: str, *, options: Mapping[str, Option], evidence: Sequence[KeyPath] = (),
-        ask: Sequence[str] = ("agent", "operator", "rules"), attempts: int = 1, deadline_s: float | None = None,
-        within_s: float | None = None, fallback: str | None = None, budget: Budget = BUDGET,
-        tools: Sequence[str] = (), about: str = "", control: Controller | None = None,
-        entry: Effect | Sequence[Effect] = (), exit: Effect | Sequence[Effect] = (),
-        transitions: Sequence[Transition] = (), timeout_s: float | None = None, handover_s: float = 5.0,
-    ) -> None: ...  # fmt: skip
+        self,
+        question: str,
+        *,
+        options: Mapping[str, Option],
+        evidence: Sequence[KeyPath] = (),
+        ask: Sequence[str] = ("agent", "operator", "rules"),
+        attempts: int = 1,
+        deadline_s: float | None = None,
+        within_s: float | None = None,
+        fallback: str | None = None,
+        budget: Budget = BUDGET,
+        tools: Sequence[str] = (),
+        about: str = "",
+        control: Controller | None = None,
+        entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (),
+        transitions: Sequence[Transition] = (),
+        timeout_s: float | None = None,
+        handover_s: float = 5.0,
+    ) -> None: ...
 
     @classmethod
     def spelled(cls, words: dict[str, Any]) -> dict[str, Any]:

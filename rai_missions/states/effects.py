@@ -75,7 +75,7 @@ class Set(Effect, word="set"):
 
     def __init__(
         self, set: KeyPath, value: Value = None, *, from_: KeyPath | None = None, add: float | None = None
-    ) -> None: ...  # fmt: skip
+    ) -> None: ...
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
@@ -121,7 +121,7 @@ class Raise(Effect, word="raise"):
 
     def __init__(
         self, event: str, *, after_s: float | None = None, id: str | None = None, data: Mapping[str, Value] = {}
-    ) -> None: ...  # fmt: skip
+    ) -> None: ...
 
     def words(self) -> str:
         return f"raise {self.event}" + (f" after {self.after_s:g} s" if self.after_s is not None else "")
@@ -195,9 +195,7 @@ class Log(Effect, word="log"):
         return f"log “{self.log}”"
 
 
-def call_lines(
-    word: str, sent: Mapping[str, Any], result: Mapping[str, str], timeout_s: float | None
-) -> Iterator[str]:  # fmt: skip
+def call_lines(word: str, sent: Mapping[str, Any], result: Mapping[str, str], timeout_s: float | None) -> Iterator[str]:
     """What is sent, what is taken of the answer, and how long it may take."""
     if sent:
         yield f"{word}: {template_words(sent)}"

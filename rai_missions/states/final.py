@@ -27,11 +27,19 @@ class Final(State, word="final"):
     """Seconds that the facts may take to agree with `requires`; without it, those of the mission."""
 
     def __init__(
-        self, final: FinalOutcome, *, requires: GuardOrKey | None = None, settle_s: float | None = None,
-        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
-        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
+        self,
+        final: FinalOutcome,
+        *,
+        requires: GuardOrKey | None = None,
+        settle_s: float | None = None,
+        about: str = "",
+        control: Controller | None = None,
+        entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (),
+        transitions: Sequence[Transition] = (),
+        timeout_s: float | None = None,
         handover_s: float = 5.0,
-    ) -> None: ...  # fmt: skip
+    ) -> None: ...
 
     def title(self) -> str:
         return self.final

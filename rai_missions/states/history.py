@@ -53,11 +53,17 @@ class History(State, word="history"):
     """Its default, `[{"to": …}]`: inside its parent; of a `shallow` one a child."""
 
     def __init__(
-        self, history: Literal["shallow", "deep"], *,
-        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
-        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Default] = (), timeout_s: float | None = None,
+        self,
+        history: Literal["shallow", "deep"],
+        *,
+        about: str = "",
+        control: Controller | None = None,
+        entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (),
+        transitions: Sequence[Default] = (),
+        timeout_s: float | None = None,
         handover_s: float = 5.0,
-    ) -> None: ...  # fmt: skip
+    ) -> None: ...
 
     def title(self) -> str:
         return f"{self.history} history"

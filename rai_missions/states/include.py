@@ -25,11 +25,18 @@ class Include(State, word="mission"):
     """Its key or event → a value, or `{"from": key}` to share one of this mission's keys."""
 
     def __init__(
-        self, mission: str, *, with_: Mapping[str, Value] = {},
-        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
-        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
+        self,
+        mission: str,
+        *,
+        with_: Mapping[str, Value] = {},
+        about: str = "",
+        control: Controller | None = None,
+        entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (),
+        transitions: Sequence[Transition] = (),
+        timeout_s: float | None = None,
         handover_s: float = 5.0,
-    ) -> None: ...  # fmt: skip
+    ) -> None: ...
 
     def activity(self) -> str:
         return f"mission {self.mission}"

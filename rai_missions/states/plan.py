@@ -35,11 +35,21 @@ class Plan(State, word="plan"):
     it is true, places that were refused are avoided, if there are others."""
 
     def __init__(
-        self, plan: KeyPath, *, over: KeyPath, into: KeyPath, asked: KeyPath | None = None,
-        refused: KeyPath | None = None, about: str = "", control: Controller | None = None,
-        entry: Effect | Sequence[Effect] = (), exit: Effect | Sequence[Effect] = (),
-        transitions: Sequence[Transition] = (), timeout_s: float | None = None, handover_s: float = 5.0,
-    ) -> None: ...  # fmt: skip
+        self,
+        plan: KeyPath,
+        *,
+        over: KeyPath,
+        into: KeyPath,
+        asked: KeyPath | None = None,
+        refused: KeyPath | None = None,
+        about: str = "",
+        control: Controller | None = None,
+        entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (),
+        transitions: Sequence[Transition] = (),
+        timeout_s: float | None = None,
+        handover_s: float = 5.0,
+    ) -> None: ...
 
     def outcomes(self) -> frozenset[str]:
         return super().outcomes() | {"succeeded", "failed", "rejected"}

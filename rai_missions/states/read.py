@@ -35,11 +35,19 @@ class Read(State, word="read"):
     `covers_all`."""
 
     def __init__(
-        self, read_: KeyPath, *, over: KeyPath, into: KeyPath,
-        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
-        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
+        self,
+        read_: KeyPath,
+        *,
+        over: KeyPath,
+        into: KeyPath,
+        about: str = "",
+        control: Controller | None = None,
+        entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (),
+        transitions: Sequence[Transition] = (),
+        timeout_s: float | None = None,
         handover_s: float = 5.0,
-    ) -> None: ...  # fmt: skip
+    ) -> None: ...
 
     def outcomes(self) -> frozenset[str]:
         return super().outcomes() | {"succeeded", "unclear", "refused", "rejected"}

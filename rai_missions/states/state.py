@@ -81,11 +81,17 @@ TriggerName = Annotated[str, Field(pattern=r"^(\*|[a-z][a-z0-9_]*(/[a-z][a-z0-9_
 class Transition(MissionModel):
     """What triggers it, under which guard, where it leads and what it does on the way."""
 
-    meant: ClassVar[Mapping[str, str]] = dict.fromkeys(("target", "goto", "next"), "to") | dict.fromkeys(
-        ("event", "trigger", "outcome"), "on"
-    ) | dict.fromkeys(("guard", "cond", "condition", "if"), "when") | dict.fromkeys(("actions", "effects"), "do") | {
-        "delay": "after_s", "wait": "after_s", "description": "about",
-    }  # fmt: skip
+    meant: ClassVar[Mapping[str, str]] = (
+        dict.fromkeys(("target", "goto", "next"), "to")
+        | dict.fromkeys(("event", "trigger", "outcome"), "on")
+        | dict.fromkeys(("guard", "cond", "condition", "if"), "when")
+        | dict.fromkeys(("actions", "effects"), "do")
+        | {
+            "delay": "after_s",
+            "wait": "after_s",
+            "description": "about",
+        }
+    )
 
     on: Annotated[tuple[TriggerName, ...], TRIGGER, *one_or_many] = ()
     """Events or outcomes; `*` is any declared event. Without `on` and `after_s` it fires as soon as its guard holds."""
@@ -105,10 +111,17 @@ class Transition(MissionModel):
     """What it is for, in a sentence."""
 
     def __init__(
-        self, on: str | Sequence[str] = (), *, of: str | None = None, after_s: float | None = None,
-        when: GuardOrKey | None = None, to: str | Sequence[str] = (), do: Effect | Sequence[Effect] = (),
-        internal: bool = False, about: str = "",
-    ) -> None: ...  # fmt: skip
+        self,
+        on: str | Sequence[str] = (),
+        *,
+        of: str | None = None,
+        after_s: float | None = None,
+        when: GuardOrKey | None = None,
+        to: str | Sequence[str] = (),
+        do: Effect | Sequence[Effect] = (),
+        internal: bool = False,
+        about: str = "",
+    ) -> None: ...
 
     @model_validator(mode="after")
     def _one_trigger(self) -> Self:
@@ -192,11 +205,16 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
     """Seconds that the handover of control may take before the start is `rejected`."""
 
     def __init__(
-        self, *,
-        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
-        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
+        self,
+        *,
+        about: str = "",
+        control: Controller | None = None,
+        entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (),
+        transitions: Sequence[Transition] = (),
+        timeout_s: float | None = None,
         handover_s: float = 5.0,
-    ) -> None: ...  # fmt: skip
+    ) -> None: ...
 
     @classmethod
     def admit(cls, kind: type[Any]) -> str:

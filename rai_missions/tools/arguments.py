@@ -125,9 +125,10 @@ class GetDistanceToObjects(Arguments):
 
 class GetRobotPose(Arguments):
     topic: str = Field(
-        "", max_length=LONGEST,
+        "",
+        max_length=LONGEST,
         description="Where the robot publishes its pose, such as '/amcl_pose' or '/odom'; empty: from the transforms.",
-    )  # fmt: skip
+    )
     frame: Name = Field("map", description="Without a topic: the frame in which the pose is reported.")
     robot_frame: Name = Field("base_link", description="Without a topic: the robot's own frame.")
     max_age_s: Age = Field(None, description="The oldest that will do, in seconds.")

@@ -50,9 +50,14 @@ class GeometryTools:
             close()
 
     def get_transform(
-        self, target: str, source: str, *, at_s: float | None = None, max_age_s: float | None = None,
+        self,
+        target: str,
+        source: str,
+        *,
+        at_s: float | None = None,
+        max_age_s: float | None = None,
         timeout_s: float = 2.0,
-    ) -> ToolResult:  # fmt: skip
+    ) -> ToolResult:
         target, source = target.lstrip("/"), source.lstrip("/")
         found = self._lookup(target, source, at_s, until(timeout_s))
         age_s = None if found.received_at is None else max(0.0, self._reach.now() - found.received_at)
@@ -62,19 +67,30 @@ class GeometryTools:
             )
         (x, y, z), (qx, qy, qz, qw) = found.transform
         data = {
-            "target": target, "source": source, "translation": {"x": x, "y": y, "z": z},
+            "target": target,
+            "source": source,
+            "translation": {"x": x, "y": y, "z": z},
             "rotation": {"x": qx, "y": qy, "z": qz, "w": qw},
             "yaw": yaw_of(qx, qy, qz, qw),
-            "stamp_s": found.at, "age_s": age_s,
-        }  # fmt: skip
+            "stamp_s": found.at,
+            "age_s": age_s,
+        }
         when = "it does not change" if age_s is None else f"received {age_s:.2f} s ago"
         words = f"The pose of the frame '{source}' in '{target}' (metres, radians), {when}:"
         return ToolResult(words, data, {word: data[word] for word in ("translation", "rotation", "yaw", "stamp_s")})
 
     def get_distance_to_objects(
-        self, detections_topic: str, *, depth_topic: str = "", cloud_topic: str = "", camera_info_topic: str = "",
-        names: Sequence[str] = (), max_age_s: float | None = 2.0, max_apart_s: float = 0.5, timeout_s: float = 5.0,
-    ) -> ToolResult:  # fmt: skip
+        self,
+        detections_topic: str,
+        *,
+        depth_topic: str = "",
+        cloud_topic: str = "",
+        camera_info_topic: str = "",
+        names: Sequence[str] = (),
+        max_age_s: float | None = 2.0,
+        max_apart_s: float = 0.5,
+        timeout_s: float = 5.0,
+    ) -> ToolResult:
         if bool(depth_topic) == bool(cloud_topic):
             raise UsageError("state one of depth_topic and cloud_topic: what the distances are measured with")
         if depth_topic and not camera_info_topic:
@@ -175,6 +191,11 @@ def _object(detection: Detection, found: Range) -> dict[str, Any]:
     position = None if found.position is None else dict(zip("xyz", found.position, strict=True))
     why = {"why": found.why} if found.why else {}
     return {
-        "name": detection.name, "score": detection.score, "distance_m": found.distance_m, "position": position,
-        "box": list(detection.box), "measurements": found.measurements, **why,
-    }  # fmt: skip
+        "name": detection.name,
+        "score": detection.score,
+        "distance_m": found.distance_m,
+        "position": position,
+        "box": list(detection.box),
+        "measurements": found.measurements,
+        **why,
+    }

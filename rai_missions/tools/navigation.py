@@ -38,9 +38,14 @@ class NavigationTools:
         self._reach, self._measuring, self._goals = reach, measuring, goals
 
     def get_robot_pose(
-        self, *, topic: str = "", frame: str = "map", robot_frame: str = "base_link", max_age_s: float | None = None,
+        self,
+        *,
+        topic: str = "",
+        frame: str = "map",
+        robot_frame: str = "base_link",
+        max_age_s: float | None = None,
         timeout_s: float = 2.0,
-    ) -> ToolResult:  # fmt: skip
+    ) -> ToolResult:
         if topic:
             newest = self._newest(topic, "", max_age_s, timeout_s)
             return _pose(*_planar(newest.data), age_s=newest.age_s)
@@ -49,9 +54,15 @@ class NavigationTools:
         return _pose(found["target"], at["x"], at["y"], found["yaw"], age_s=found["age_s"])
 
     def get_occupancy_grid(
-        self, topic: str = "/map", *, x: float | None = None, y: float | None = None, radius_m: float = 5.0,
-        max_age_s: float | None = None, timeout_s: float = 5.0,
-    ) -> ToolResult:  # fmt: skip
+        self,
+        topic: str = "/map",
+        *,
+        x: float | None = None,
+        y: float | None = None,
+        radius_m: float = 5.0,
+        max_age_s: float | None = None,
+        timeout_s: float = 5.0,
+    ) -> ToolResult:
         if (x is None) != (y is None):
             raise UsageError("x and y: state both, or neither for the whole map")
         center = None if x is None or y is None else (x, y)
@@ -62,10 +73,12 @@ class NavigationTools:
         facts: dict[str, Any] = {
             "frame": str(header.get("frame_id", "")) if isinstance(header, Mapping) else "",
             "lower left corner": {"x": round(part.corner[0], 3), "y": round(part.corner[1], 3)},
-            "metres of a character": round(part.cell_m, 4), "turned by": round(grid.origin[2], 4),
-            "rows": part.labelled(), "cells of the map": grid.counts(),
+            "metres of a character": round(part.cell_m, 4),
+            "turned by": round(grid.origin[2], 4),
+            "rows": part.labelled(),
+            "cells of the map": grid.counts(),
             **({} if center is None else {"at the point": grid.cell_at(*center)}),
-        }  # fmt: skip
+        }
         words = (
             f"The map of {topic}, {newest.age_s:.2f} s old, each row with its metres above the lower left corner, "
             f"each character the worst of its cells: {LEGEND}."
@@ -74,9 +87,15 @@ class NavigationTools:
         return ToolResult(words, data, facts)
 
     def navigate_to_pose(
-        self, x: float, y: float, *, yaw: float = 0.0, frame: str = "map", action: str = "/navigate_to_pose",
+        self,
+        x: float,
+        y: float,
+        *,
+        yaw: float = 0.0,
+        frame: str = "map",
+        action: str = "/navigate_to_pose",
         timeout_s: float = 5.0,
-    ) -> ToolResult:  # fmt: skip
+    ) -> ToolResult:
         if not all(map(math.isfinite, (x, y, yaw))):
             raise UsageError(f"x, y and yaw: ({x}, {y}, {yaw}) is no pose")
         ends = until(timeout_s)

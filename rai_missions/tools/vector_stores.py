@@ -64,9 +64,13 @@ class LibraryVectorStore(VectorStore):
         return [as_document(each) for each in self._library.passages() if each.digest in wanted]
 
     def add_texts(
-        self, texts: Iterable[str], metadatas: list[dict[str, Any]] | None = None, *, ids: list[str] | None = None,
+        self,
+        texts: Iterable[str],
+        metadatas: list[dict[str, Any]] | None = None,
+        *,
+        ids: list[str] | None = None,
         **kwargs: Any,
-    ) -> list[str]:  # fmt: skip
+    ) -> list[str]:
         """Raises `UsageError`: the documents are files."""
         raise UsageError(FIXED)
 

@@ -50,9 +50,13 @@ class TreeTicker:
         """What was worked out last, and of which state."""
 
     def tick(
-        self, state: TreeState, view: View, outcomes: Mapping[str, str], late_s: float = 0.0,
+        self,
+        state: TreeState,
+        view: View,
+        outcomes: Mapping[str, str],
+        late_s: float = 0.0,
         changed: Collection[str] | None = None,
-    ) -> TickResult:  # fmt: skip
+    ) -> TickResult:
         sight = self._restore(state, view)
         sight.late_s = late_s
         self._shown = None

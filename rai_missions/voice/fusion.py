@@ -87,10 +87,14 @@ class FusedTurn(NamedTuple):
 
 
 def fused(
-    text: str, first: Mapping[str, float], second: Mapping[str, float], phrases: Sequence[str],
-    spoken_s: float | None = None, guesses: Mapping[str, float] = MappingProxyType({}),
+    text: str,
+    first: Mapping[str, float],
+    second: Mapping[str, float],
+    phrases: Sequence[str],
+    spoken_s: float | None = None,
+    guesses: Mapping[str, float] = MappingProxyType({}),
     odds: Mapping[str, float] = MappingProxyType({}),
-) -> FusedTurn:  # fmt: skip
+) -> FusedTurn:
     """The text of a turn.
 
     Args:
@@ -114,9 +118,13 @@ def fused(
 
 
 def _of_two(
-    text: str, first: Mapping[str, float], second: Mapping[str, float], phrases: Sequence[str],
-    spoken_s: float | None, guesses: Mapping[str, float],
-) -> FusedTurn:  # fmt: skip
+    text: str,
+    first: Mapping[str, float],
+    second: Mapping[str, float],
+    phrases: Sequence[str],
+    spoken_s: float | None,
+    guesses: Mapping[str, float],
+) -> FusedTurn:
     """The text of a turn by the two recognisers alone; see `fused`."""
     plain, shares = _plain(text), _shares(guesses)
     if plain in phrases and _is_denied(plain, second):
@@ -166,9 +174,12 @@ def _least_of_stop(spoken_s: float, *, is_agreed: bool) -> float:
 
 
 def _phrase(
-    plain: str, first: Mapping[str, float], second: Mapping[str, float], phrases: Sequence[str],
+    plain: str,
+    first: Mapping[str, float],
+    second: Mapping[str, float],
+    phrases: Sequence[str],
     guessed: Mapping[str, float],
-) -> str:  # fmt: skip
+) -> str:
     """The phrase for which there is evidence enough, where this was read freely; empty where there is none."""
     sums = sorted(
         (first[each] + second.get(each, 0.0) + _likeness(plain, guessed, each), each)

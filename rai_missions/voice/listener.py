@@ -128,11 +128,15 @@ class SpeechListener:
     """
 
     def __init__(
-        self, ear: SpeechProcess, first: SpeechProcess, second: SpeechProcess | None = None, *,
+        self,
+        ear: SpeechProcess,
+        first: SpeechProcess,
+        second: SpeechProcess | None = None,
+        *,
         settings: ListenSettings = ListenSettings(),  # noqa: B008 - it is frozen
         on_transcript: Callable[[Transcript], object],
         on_present: Callable[[float], object] = lambda at: None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._ear = ear
         self._settings, self._on_transcript, self._on_present = settings, on_transcript, on_present
         self._queue = SerialQueue()
@@ -149,9 +153,10 @@ class SpeechListener:
         """The next frame; returns at once."""
         self._count(1)
         self._ear.ask(
-            {"do": "take"}, (frame.recorded, frame.played),
+            {"do": "take"},
+            (frame.recorded, frame.played),
             on_reply=lambda reply: self._post(partial(self._looked_at, frame, reply)),
-        )  # fmt: skip
+        )
 
     def catch_up(self, within_s: float = 60.0) -> bool:
         """Wait until all that was given is looked at, and all that was offered is transcribed; whether it is."""

@@ -67,9 +67,14 @@ class SpeechProcess:
     """
 
     def __init__(
-        self, sort: SpeechSort, name: str, options: Mapping[str, Any] | None = None, *, within_s: float = 5.0,
+        self,
+        sort: SpeechSort,
+        name: str,
+        options: Mapping[str, Any] | None = None,
+        *,
+        within_s: float = 5.0,
         on_fault: Callable[[str], object] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.sort, self.name = sort, name
         self._options, self._within_s, self._on_fault = dict(options or {}), within_s, on_fault
         self._lock = threading.RLock()
@@ -111,9 +116,13 @@ class SpeechProcess:
         self._timers.close(within_s)
 
     def ask(
-        self, order: Mapping[str, Any], blobs: Sequence[bytes] = (), *, on_reply: OnReply,
+        self,
+        order: Mapping[str, Any],
+        blobs: Sequence[bytes] = (),
+        *,
+        on_reply: OnReply,
         on_part: Callable[[bytes], object] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Send an order; the reply comes on a thread of this object.
 
         Args:
@@ -161,9 +170,13 @@ class SpeechProcess:
             "path": [os.path.abspath(entry) for entry in sys.path],
         }
         life = ProcessLife(
-            self.sort, WORK, first, MOST_BYTES,
-            on_message=lambda message: self._take(life, message), on_end=lambda: self._ended(life),
-        )  # fmt: skip
+            self.sort,
+            WORK,
+            first,
+            MOST_BYTES,
+            on_message=lambda message: self._take(life, message),
+            on_end=lambda: self._ended(life),
+        )
         self._life = life
         life.start()
         return life

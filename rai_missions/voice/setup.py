@@ -52,9 +52,13 @@ class Recognition(NamedTuple):
 
 
 def open_recognition(
-    names: ListenNames, settings: ListenSettings, *, on_transcript: Callable[[Transcript], object],
-    on_present: Callable[[float], object] = lambda at: None, on_fault: Callable[[str], object] | None = None,
-) -> Recognition:  # fmt: skip
+    names: ListenNames,
+    settings: ListenSettings,
+    *,
+    on_transcript: Callable[[Transcript], object],
+    on_present: Callable[[float], object] = lambda at: None,
+    on_fault: Callable[[str], object] | None = None,
+) -> Recognition:
     """Start what listens; returns at once.
 
     Args:

@@ -32,9 +32,21 @@ Copy = Callable[[Any, str], Any]
 OURS = ("rai_missions.worlds.", "rai_missions.planning.", "rai_missions.image")
 """Modules whose objects are copied field by field."""
 CONSTANT = (
-    type(None), bool, int, float, complex, str, bytes, range, type, types.ModuleType, types.BuiltinFunctionType,
-    np.generic, np.dtype, enum.Enum,
-)  # fmt: skip
+    type(None),
+    bool,
+    int,
+    float,
+    complex,
+    str,
+    bytes,
+    range,
+    type,
+    types.ModuleType,
+    types.BuiltinFunctionType,
+    np.generic,
+    np.dtype,
+    enum.Enum,
+)
 """Kinds whose values never change."""
 LOCK, RLOCK = type(threading.Lock()), type(threading.RLock())
 

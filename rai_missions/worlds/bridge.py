@@ -82,8 +82,10 @@ class TrackedConnector(ConnectorWrapper):
             UsageError: Someone has.
         """
         ours: Mapping[ConnectorMode, Collection[str]] = {
-            "topics": self.topics, "services": self.services, "actions": self.actions,
-        }  # fmt: skip
+            "topics": self.topics,
+            "services": self.services,
+            "actions": self.actions,
+        }
         for mode, counts in _counted(self.inner).items():
             for name, count in counts.items():
                 if count > 1 and name in ours[mode]:

@@ -61,9 +61,16 @@ class Camera:
     """
 
     def __init__(
-        self, model: Any, *, width: int = 640, height: int = 480, frame_width: int = 320, frame_height: int = 240,
-        is_checked: bool = False, paint: Callable[[Any], None] = lambda model: None,
-    ) -> None:  # fmt: skip
+        self,
+        model: Any,
+        *,
+        width: int = 640,
+        height: int = 480,
+        frame_width: int = 320,
+        frame_height: int = 240,
+        is_checked: bool = False,
+        paint: Callable[[Any], None] = lambda model: None,
+    ) -> None:
         self.width, self.height = width, height
         self.model = model
         self._frame_size = frame_height, frame_width
@@ -83,9 +90,14 @@ class Camera:
         """Another camera with pictures of the same sizes, in another world; it has renderers of its own."""
         height, width = self._frame_size
         return Camera(
-            model, width=self.width, height=self.height, frame_width=width, frame_height=height,
-            is_checked=self._is_checked, paint=self._paint,
-        )  # fmt: skip
+            model,
+            width=self.width,
+            height=self.height,
+            frame_width=width,
+            frame_height=height,
+            is_checked=self._is_checked,
+            paint=self._paint,
+        )
 
     def check(self) -> None:
         """Make sure that it can render, once; a `UsageError` names what is missing."""

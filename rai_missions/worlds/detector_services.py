@@ -37,8 +37,9 @@ class DetectorServices:
     def services(self) -> dict[tuple[str, str], Answer]:
         """Name and type → what answers."""
         served: list[tuple[tuple[tuple[str, ...], str], Answer]] = [
-            (CLASSIFY, self._classify), (SEGMENT, self._segment),
-        ]  # fmt: skip
+            (CLASSIFY, self._classify),
+            (SEGMENT, self._segment),
+        ]
         return {(name, kind): answer for (names, kind), answer in served for name in names}
 
     def _classify(self, request: Mapping[str, Any]) -> dict[str, Any]:

@@ -91,10 +91,18 @@ class Mesh:
 
     def leaves(self, radii: Sequence[float], count: int, rng: np.random.Generator, size: float = 0.22) -> Mesh:
         """Two-sided cards of leaves scattered over an ellipsoid."""
-        drawn = np.array([
-            [*rng.normal(size=9), rng.uniform(0.86, 1.04), rng.uniform(0.7, 1.3), rng.uniform(0.7, 1.3), *rng.random(2)]
-            for _ in range(count)
-        ])  # fmt: skip
+        drawn = np.array(
+            [
+                [
+                    *rng.normal(size=9),
+                    rng.uniform(0.86, 1.04),
+                    rng.uniform(0.7, 1.3),
+                    rng.uniform(0.7, 1.3),
+                    *rng.random(2),
+                ]
+                for _ in range(count)
+            ]
+        )
         out, face = _unit(drawn[:, 0:3]), drawn[:, 3:6] * 0.6
         face += out
         first = _unit(_cross(face, drawn[:, 6:9]))

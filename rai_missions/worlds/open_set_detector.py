@@ -74,9 +74,13 @@ class OpenSetDetector:
     """
 
     def __init__(
-        self, things: Mapping[int, Thing], errors: DetectorErrors, seed: int,
-        lookalikes: Callable[[Thing], Sequence[Thing]], colours: Collection[str],
-    ) -> None:  # fmt: skip
+        self,
+        things: Mapping[int, Thing],
+        errors: DetectorErrors,
+        seed: int,
+        lookalikes: Callable[[Thing], Sequence[Thing]],
+        colours: Collection[str],
+    ) -> None:
         self._things, self._errors, self._seed = things, errors, seed
         self._lookalikes, self._colours = lookalikes, frozenset(colours)
 

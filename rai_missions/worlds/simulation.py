@@ -41,9 +41,15 @@ class Simulation:
     LEADS_OUT: ClassVar = {"_closes": list}
 
     def __init__(
-        self, model: Any, outbox: Outbox, battery: Battery | None, *, camera: Camera | None, start_s: float,
+        self,
+        model: Any,
+        outbox: Outbox,
+        battery: Battery | None,
+        *,
+        camera: Camera | None,
+        start_s: float,
         timestep_s: float,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.model, self.data = model, mujoco.MjData(model)
         if battery is not None:
             self.battery = battery
@@ -85,11 +91,14 @@ class Simulation:
         return hashlib.sha256(state.tobytes()).hexdigest()
 
     def _open(
-        self, connector: Connector, *, pictures: Collection[str],
+        self,
+        connector: Connector,
+        *,
+        pictures: Collection[str],
         actions: Iterable[tuple[str, str, ActionServer]],
         services: Mapping[tuple[str, str], Answer],
         without: Collection[str] = (),
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Put everything on a connector.
 
         Args:

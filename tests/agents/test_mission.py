@@ -164,9 +164,11 @@ def test_people_talk_about_the_run_of_an_agent_and_are_reported_its_end(tmp_path
     talk = ConversationalAgent(doors=[TextDoor("terminal", lambda line: lines.append(line.text))])
     is_running = threading.Event()
     config = RunConfig(
-        Mission.model_validate(WAITING), robot(), journal=tmp_path / "run.journal",
+        Mission.model_validate(WAITING),
+        robot(),
+        journal=tmp_path / "run.journal",
         on_status=lambda status: is_running.set() if status.mode == "running" else None,
-    )  # fmt: skip
+    )
     mission = MissionAgent(config, talk=talk)
     both = AgentRunner({"talk": talk, "mission": mission})
     both.run()

@@ -61,9 +61,7 @@ def robot() -> PythonRobot:
     return made
 
 
-DRIVING = mission(
-    {"driving": doing("drive", achieved={"key": "x", ">=": 2})}, blackboard={"x": X}
-)  # fmt: skip
+DRIVING = mission({"driving": doing("drive", achieved={"key": "x", ">=": 2})}, blackboard={"x": X})
 
 
 # -- time --------------------------------------------------------------------------------------------------------------
@@ -171,9 +169,10 @@ def test_an_event_before_the_start_is_dropped_and_noted_and_one_after_it_is_take
     key = {"type": "boolean", "source": "robot"}
     there = {"on": "branch", "when": {"key": "event.height_m", ">": 0.4}, "to": "done"}
     made = mission(
-        {"looking": doing("look", there)}, blackboard={"x": X, "ready": key},
+        {"looking": doing("look", there)},
+        blackboard={"x": X, "ready": key},
         events={"branch": {"fields": {"height_m": "number"}}},
-    )  # fmt: skip
+    )
     result = run(made, robot, speed=math.inf, journal=tmp_path / "run.journal")
     assert result.outcome == "succeeded" and result.duration_s < 1
     sentence = "the event 'branch' is dropped: it came before the start"
@@ -286,8 +285,9 @@ def test_a_key_that_is_declared_or_was_written_is_no_lack(robot: PythonRobot) ->
     robot.write("load", 0.1)
     result = run(
         mission({"driving": doing("drive")}, blackboard={"x": X, "battery": X | {"max_age_s": 60}, "load": X}),
-        robot, speed=math.inf,
-    )  # fmt: skip
+        robot,
+        speed=math.inf,
+    )
     assert result.outcome == "succeeded"
 
 
@@ -370,9 +370,11 @@ def test_a_file_may_make_one_robot_a_run_and_is_not_needed_by_a_replay(tmp_path:
         .replace("not os.path.exists('crashed')", "False")
         .replace('not os.path.exists("crashed")', "False")
     )
-    made = "from rai_missions import PythonRobot\ndef robot():\n" + "\n".join(
-        f"    {line}" for line in text.splitlines() if not line.startswith(("from rai",))
-    ) + "\n    return robot\n"  # fmt: skip
+    made = (
+        "from rai_missions import PythonRobot\ndef robot():\n"
+        + "\n".join(f"    {line}" for line in text.splitlines() if not line.startswith(("from rai",)))
+        + "\n    return robot\n"
+    )
     file = written(tmp_path, made)
     result = run(mission({"driving": doing("drive")}), file, journal=tmp_path / "run.journal")
     assert result.outcome == "succeeded"
@@ -383,9 +385,15 @@ def test_a_file_may_make_one_robot_a_run_and_is_not_needed_by_a_replay(tmp_path:
 def command(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     script = Path(sys.executable).with_name("rai-missions")
     return subprocess.run(
-        [script, *words], cwd=folder, capture_output=True, text=True, timeout=120, check=False,
-        stdin=subprocess.DEVNULL, env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1"},
-    )  # fmt: skip
+        [script, *words],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+        stdin=subprocess.DEVNULL,
+        env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1"},
+    )
 
 
 @pytest.mark.parametrize("repeat", [False, True])
@@ -431,8 +439,10 @@ def test_the_robot_of_the_guide_has_thirty_lines_and_runs_from_its_file(tmp_path
     with read(tmp_path / "run.journal") as record:
         digest = hashlib.sha256((tmp_path / "my_robot.py").read_bytes()).hexdigest()
         assert json.loads(record.header.profile)["connector"] == {
-            "kind": "python", "file": "my_robot.py", "sha256": digest,
-        }  # fmt: skip
+            "kind": "python",
+            "file": "my_robot.py",
+            "sha256": digest,
+        }
     written(tmp_path, "raise SystemExit('executed')")
     assert replay(tmp_path / "run.journal").holds
 

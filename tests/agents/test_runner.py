@@ -43,9 +43,12 @@ class Troupe:
         self.file.touch()
         env = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
         self.process = subprocess.Popen(
-            [sys.executable, str(TROUPE), str(self.file), *kinds], stderr=subprocess.PIPE, text=True, env=env,
+            [sys.executable, str(TROUPE), str(self.file), *kinds],
+            stderr=subprocess.PIPE,
+            text=True,
+            env=env,
             stdout=subprocess.DEVNULL,
-        )  # fmt: skip
+        )
         self.log: Inbox[str] = Inbox(30.0)
         self._reader = threading.Thread(target=self._read)
         self._reader.start()
@@ -110,10 +113,12 @@ def test_one_that_hangs_is_named_and_all_end_within_seconds(troupe: Any) -> None
 def test_one_that_dies_is_named_with_its_reason_and_takes_no_other_with_it(troupe: Any) -> None:
     ran = troupe("refuses", "dies", "crashes", "never_begins", "breaks", "plain")
     for words in (
-        "0_refuses died: run raised ValueError: no stage", "1_dies died: stage fright",
-        "2_crashes died: exit status 1: the lights went out", "3_never_begins hangs: run has not returned within",
+        "0_refuses died: run raised ValueError: no stage",
+        "1_dies died: stage fright",
+        "2_crashes died: exit status 1: the lights went out",
+        "3_never_begins hangs: run has not returned within",
         "5_plain: running",
-    ):  # fmt: skip
+    ):
         ran.wait_for(words)
     assert ran.process.poll() is None, "the others live"
     assert ran.signal_and_wait()[0] == 1
@@ -320,9 +325,17 @@ def test_what_an_agent_states_of_itself_harms_no_other(tmp_path: Path) -> None:
     assert runner.agents["leaves"] == AgentHealth("died", "it cannot report how it fares: SystemExit: 3")
     runner.stop()
     assert {name: health.state for name, health in runner.agents.items()} == {
-        "first": "stopped", "raises": "stopped", "hangs": "hangs", "nan": "stopped", "none": "died", "flies": "died",
-        "endless": "stopped", "leaves": "died", "five": "died", "flat": "died",
-    }  # fmt: skip
+        "first": "stopped",
+        "raises": "stopped",
+        "hangs": "hangs",
+        "nan": "stopped",
+        "none": "died",
+        "flies": "died",
+        "endless": "stopped",
+        "leaves": "died",
+        "five": "died",
+        "flat": "died",
+    }
     connector.stop()
 
 

@@ -169,10 +169,15 @@ def test_another_word_is_refused_and_asked_again(desk: Desk) -> None:
 def test_parameters_are_asked_for_one_by_one(desk: Desk) -> None:
     reported = desk.ask(QUESTION._replace(options=(Offer("report", parameters=DEPTH),)))
     for prompt, typed in (
-        (PROMPT, "1\n"), ("speed (number, m/s; empty for 1.5): ", "\n"), ("times (integer): ", "two\n"),
-        ("'two' is no whole number.", f"{10**400}\n"), ("0' is no whole number.", "2\n"), ("loud (boolean): ", "yes\n"),
-        ("colour (red or green; empty to leave it out): ", "green\n"), ("note (string; empty to leave it out): ", "\n"),
-    ):  # fmt: skip
+        (PROMPT, "1\n"),
+        ("speed (number, m/s; empty for 1.5): ", "\n"),
+        ("times (integer): ", "two\n"),
+        ("'two' is no whole number.", f"{10**400}\n"),
+        ("0' is no whole number.", "2\n"),
+        ("loud (boolean): ", "yes\n"),
+        ("colour (red or green; empty to leave it out): ", "green\n"),
+        ("note (string; empty to leave it out): ", "\n"),
+    ):
         desk.screen.wait(prompt)
         desk.types(typed)
     assert reported.wait()["parameters"] == {"speed": 1.5, "times": 2, "loud": True, "colour": "green"}

@@ -39,8 +39,12 @@ def test_a_schema_goes_out_and_one_object_comes_back(server: Server) -> None:
     reply = answer(server.model())
     assert (reply["option"], reply["why"]) == ("replan", "a log")
     assert reply["usage"] | {"seconds": 0} == {
-        "calls": 1, "tokens_in": 90, "tokens_out": 10, "seconds": 0, "model": "gpt-4o-2024-08-06",
-    }  # fmt: skip
+        "calls": 1,
+        "tokens_in": 90,
+        "tokens_out": 10,
+        "seconds": 0,
+        "model": "gpt-4o-2024-08-06",
+    }
     form = server.requests[0]["response_format"]
     assert form["type"] == "json_schema"
     assert form["json_schema"]["schema"]["properties"]["option"]["enum"] == ["replan", "signal", "abort"]

@@ -26,8 +26,11 @@ figure(REFERENCE, 628.0, "ms")
 def page(tree: Path, *words: str, status: int = 0) -> str:
     ran = subprocess.run(
         [sys.executable, tree / "scripts" / "bench.py", *words, "--page", tree / "page.md"],
-        env={"PATH": "/usr/bin:/bin", "COUNT": str(tree / "count")}, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        env={"PATH": "/usr/bin:/bin", "COUNT": str(tree / "count")},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert ran.returncode == status, ran.stderr
     return (tree / "page.md").read_text(encoding="utf-8")
 

@@ -40,10 +40,11 @@ def test_each_line_shows_whose_it_is_and_by_which_way(run: TalkedRun, look: Look
     window.keyboard.press("c")
     until(window, "document.querySelectorAll('#talk-lines .line').length === 4")
     assert shown(window) == [
-        ["operator Anna page", "what are you doing?"], ["robot by rule", "I drive alley 2 of 6."],
+        ["operator Anna page", "what are you doing?"],
+        ["robot by rule", "I drive alley 2 of 6."],
         ["robot the model thinks, unchecked", "The weather is fine."],
         ["robot by rule, not spoken: no one could be reached", "The mission has ended: succeeded."],
-    ]  # fmt: skip
+    ]
     assert_accessible(window)
 
 

@@ -28,9 +28,10 @@ def recorded(launch: Launch, tmp_path: Path) -> Iterator[Look]:
         file.setframerate(RATE_HZ)
         file.writeframes(tone.astype("<i2").tobytes())
     started = launch(
-        "--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream",
+        "--use-fake-device-for-media-stream",
+        "--use-fake-ui-for-media-stream",
         f"--use-file-for-fake-audio-capture={path}",
-    )  # fmt: skip
+    )
     yield from looking(started)
     started.close()
 

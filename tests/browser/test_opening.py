@@ -188,8 +188,10 @@ def test_on_a_phone_a_long_name_leaves_the_search_and_the_menu_apart(opened: Ope
         tractor().written() | {"name": "inspection_of_the_whole_greenhouse_by_row", "about": ""}
     )
     window = opened(review(mission), viewport=PHONE)
-    search, menu = (window.evaluate(f"(({{ left, right }}) => [left, right])({each}.getBoundingClientRect())")
-                    for each in ("document.querySelector('#search')", "document.querySelector('#menu')"))  # fmt: skip
+    search, menu = (
+        window.evaluate(f"(({{ left, right }}) => [left, right])({each}.getBoundingClientRect())")
+        for each in ("document.querySelector('#search')", "document.querySelector('#menu')")
+    )
     assert search[1] < menu[0]
     assert menu[1] <= PHONE["width"]
     assert window.inner_text(".purpose").startswith("What this mission is for is not written")

@@ -181,8 +181,10 @@ def large(states: int) -> Mission:
                 ],
             }
         groups[f"g{group}"] = {"initial": f"s{group}_0", "states": inside}
-    facts = {f"fact_{number}": {"type": "number", "source": "robot", "max_age_s": 2, "optional": True}
-             for number in range(10)}  # fmt: skip
+    facts = {
+        f"fact_{number}": {"type": "number", "source": "robot", "max_age_s": 2, "optional": True}
+        for number in range(10)
+    }
     return Mission.model_validate({
         "format": 1, "name": "large", "initial": "g0", "blackboard": facts, "events": {"stop": {}},
         "states": {**groups, "stopped": {"final": "aborted"}}, "transitions": [{"on": "stop", "to": "stopped"}],

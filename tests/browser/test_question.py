@@ -300,8 +300,11 @@ def test_a_run_that_follows_asks_another_question_under_the_same_number(asked: R
     ask(second)
     window = look(asked.page)
     window.wait_for_selector(".question [data-option]")
-    number = window.evaluate("(({ dataset }) => { dataset.first = 'yes'; return dataset.question; })($('.question'))"
-                             .replace("$(", "document.querySelector("))  # fmt: skip
+    number = window.evaluate(
+        "(({ dataset }) => { dataset.first = 'yes'; return dataset.question; })($('.question'))".replace(
+            "$(", "document.querySelector("
+        )
+    )
     asked.chart, asked.run_id = second.chart, "second"
     asked.feed.renew()
     until(window, "!document.querySelector('[data-first]') && document.querySelector('.question')")

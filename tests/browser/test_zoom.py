@@ -78,14 +78,16 @@ def flat(count: int, name: str = "s") -> Mission:
     """So many states on one level, one after the other, each with a way out into the same end."""
     states: dict[str, Any] = {
         f"{name}{number}": {
-            "action": "navigate", "timeout_s": 60, "about": "drives to the next place of the round",
+            "action": "navigate",
+            "timeout_s": 60,
+            "about": "drives to the next place of the round",
             "transitions": [
                 {"on": "succeeded", "to": f"{name}{number + 1}" if number < count - 3 else "done"},
                 {"on": ["failed", "timed_out", "rejected"], "to": "lost"},
             ],
         }
         for number in range(count - 2)
-    }  # fmt: skip
+    }
     ends = {"done": {"final": "aborted"}, "lost": {"final": "failed"}}
     document = {"format": 1, "name": "flat", "initial": f"{name}0", "states": {**states, **ends}}
     return Mission.model_validate(document)
@@ -320,8 +322,10 @@ def test_the_legend_explains_the_dots_of_arrows_that_end_elsewhere(opened: Open)
 
 def test_regions_are_side_by_side_whatever_enters_and_leaves_them(opened: Open) -> None:
     window = opened(review(load(ROOT / "docs/tutorial/5_proof/mission.json")), viewport=SCREEN)
-    route, lamp = (window.evaluate(f"(({{ top, left, right }}) => [top, left, right])({FORM.replace('NAME', each)})")
-                   for each in ("route", "lamp"))  # fmt: skip
+    route, lamp = (
+        window.evaluate(f"(({{ top, left, right }}) => [top, left, right])({FORM.replace('NAME', each)})")
+        for each in ("route", "lamp")
+    )
     assert abs(route[0] - lamp[0]) < 1
     assert route[2] < lamp[1] or lamp[2] < route[1]
 

@@ -51,9 +51,15 @@ SORTS = (
 
 
 def make_results(
-    path: Path, *, scenes: int = 40, seed: int = 1, sorts: Sequence[Sort] = SORTS, side: int = 24,
-    prompt: str = "You are a robot.\n\nWhich option?", texts: Sequence[str] = ("it looks soft",),
-) -> Path:  # fmt: skip
+    path: Path,
+    *,
+    scenes: int = 40,
+    seed: int = 1,
+    sorts: Sequence[Sort] = SORTS,
+    side: int = 24,
+    prompt: str = "You are a robot.\n\nWhich option?",
+    texts: Sequence[str] = ("it looks soft",),
+) -> Path:
     """A store at `path`; four scenes share each seed."""
     chance = random.Random(seed)
     with ResultStore(path, writes=True) as store:

@@ -29,9 +29,14 @@ def bodies() -> dict[str, RobotView]:
 def content(body: RobotView) -> tuple[str, int]:
     """The text that a model is shown, and how many pictures."""
     question = Question(
-        1, "assessing", "agent", ASKED, (Offer("drive_over"), Offer("replan")),
-        (Evidence("camera", CAMERA, 0.1, True),), until=9.0,
-    )  # fmt: skip
+        1,
+        "assessing",
+        "agent",
+        ASKED,
+        (Offer("drive_over"), Offer("replan")),
+        (Evidence("camera", CAMERA, 0.1, True),),
+        until=9.0,
+    )
     messages = messages_of(
         shown_question(question, body, "written"), body.identity, mode="json_schema", images=body.pictures
     )

@@ -67,8 +67,12 @@ def reply(option: str, tokens: tuple[int, int] = (0, 0)) -> AIMessage:
 def test_an_answer_is_judged_graded_and_paid_for(loaded: LoadedCampaign, asked: AskedScene) -> None:
     record = answer_of(loaded, asked, ScriptedModel([reply("left", (1000, 50))]))
     assert (record.status, record.option, record.permitted, record.verdict, record.best) == (
-        "answered", "left", 1, "completes", 1,
-    )  # fmt: skip
+        "answered",
+        "left",
+        1,
+        "completes",
+        1,
+    )
     assert (record.calls, record.prompt_tokens, record.completion_tokens) == (1, 1000, 50)
     assert record.cost == pytest.approx(1000 * 2e-6 + 50 * 10e-6) and record.latency_s > 0
     assert record.reason == "it is free" and "it is free" in json.loads(record.raw)["texts"][0]

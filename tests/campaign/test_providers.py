@@ -94,9 +94,7 @@ def test_what_was_used_before_a_pause_counts_where_the_budget_is_spent_in_it(
 ) -> None:
     server.replies = [refused(429, "slow down", retry_after="17")]
     file, over = loaded.file.model_copy(update={"retries": 2}), SpentEvent()
-    with CampaignModels(
-        file, loaded.subject.robot, {}, open_chat=lambda name: ThreadChat(server.model())
-    ) as models:  # fmt: skip
+    with CampaignModels(file, loaded.subject.robot, {}, open_chat=lambda name: ThreadChat(server.model())) as models:
         record = CellAsker(file, models, {}, {"none": RobotView()}, over).ask("key", CELL, asked, LABELS)
     assert record is not None and over.waits == [17.0]
     assert (record.status, record.calls) == ("failed", 1) and "429" in record.error

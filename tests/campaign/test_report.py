@@ -68,9 +68,10 @@ def test_the_shares_are_those_that_sql_counts(results: Path, sort: Sort) -> None
     count = one(results, f"SELECT count(*) {cells}", *names)
     assert found.accuracy.cells == count
     for figure, condition in (
-        (found.accuracy, "best = 1"), (found.harm, "verdict = 'harms'"),
+        (found.accuracy, "best = 1"),
+        (found.harm, "verdict = 'harms'"),
         (found.harm_past_guard, "verdict = 'harms' AND permitted = 1"),
-    ):  # fmt: skip
+    ):
         hits = one(results, f"SELECT count(*) {cells} AND {condition}", *names)
         assert isinstance(hits, int) and isinstance(count, int)
         assert figure.share == pytest.approx(hits / count)
@@ -302,8 +303,15 @@ def test_every_answerer_and_embodiment_of_a_page_is_explained_once(tmp_path: Pat
     words = re.search(r'<dl class="words">(.*?)</dl>', page.read_text(), re.DOTALL)
     assert words is not None
     terms = re.findall(r"<dt>(.*?)</dt>", words[1])
-    assert terms == ["best", "rules", "oracle", "constant:abort, constant:replan", "openai:a", "in italics",
-                     "embodiment none"]  # fmt: skip
+    assert terms == [
+        "best",
+        "rules",
+        "oracle",
+        "constant:abort, constant:replan",
+        "openai:a",
+        "in italics",
+        "embodiment none",
+    ]
 
 
 def test_comparisons_that_are_noise_are_folded_and_the_others_are_not(tmp_path: Path) -> None:
@@ -388,8 +396,9 @@ def test_a_report_replaces_an_earlier_one_and_no_other_file(results: Path, tmp_p
 def test_a_hundred_thousand_cells_are_a_report_of_twenty_megabytes_in_twenty_seconds(tmp_path: Path) -> None:
     sorts = tuple(
         Sort(f"model {number}", number / 25, embodiment, ("written", "reversed"))
-        for number in range(25) for embodiment in ("none", "description", "documents", "pictures")
-    )  # fmt: skip
+        for number in range(25)
+        for embodiment in ("none", "description", "documents", "pictures")
+    )
     store = make_results(tmp_path / "a.db", scenes=500, sorts=sorts, side=160, texts=("why not " * 50,))
     assert one(store, "SELECT count(*) FROM cell") == 100_000
     began = process_time()

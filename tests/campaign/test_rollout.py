@@ -70,9 +70,12 @@ def run(agent: Agent, profile: Robot, mission: Path = TRACTOR / "mission.json") 
     """The mission with this agent: its result, its steps and the last state of the world."""
     steps: list[Step] = []
     config = RunConfig(
-        mission, robot=profile, arguments={"alleys": 1} if mission.parent == TRACTOR else {},
-        answerers={"agent": agent}, on_step=steps.append,
-    )  # fmt: skip
+        mission,
+        robot=profile,
+        arguments={"alleys": 1} if mission.parent == TRACTOR else {},
+        answerers={"agent": agent},
+        on_step=steps.append,
+    )
     with prepare(config) as prepared:
         agent.run = prepared
         result = prepared.runner.run()

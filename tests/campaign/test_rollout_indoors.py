@@ -33,7 +33,7 @@ class TryingAgent:
 
     def __init__(
         self, loaded: LoadedCampaign, option: str, parameters: Mapping[str, Any] | None, later: Mapping[str, Any]
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.later = answers_of(later, loaded.subject.mission)
         self.longest_s, self.option = loaded.file.rollouts.longest_s, option
         self.parameters = loaded.file.rollouts.parameters.get(option, {}) if parameters is None else parameters

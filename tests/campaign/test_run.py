@@ -67,10 +67,13 @@ def test_every_cell_has_its_answer_and_its_verdict(tmp_path: Path) -> None:
     assert result.counts == {"answered": 12} and result.missing == 0 and not result.stopped
     found = {(cell.scene, cell.model): cell for cell in cells_in(store) if cell.option_order == "reversed"}
     assert {key: (cell.option, cell.verdict, cell.best, cell.permitted) for key, cell in found.items()} == {
-        ("s0", "rules"): ("left", "completes", 1, 1), ("s1", "rules"): ("left", "completes", 1, 1),
-        ("s0", "constant:wait"): ("wait", "harmless", 0, 1), ("s1", "constant:wait"): ("wait", "harmless", 0, 1),
-        ("s0", "teller"): ("left", "completes", 1, 1), ("s1", "teller"): ("right", "harms", 0, 1),
-    }  # fmt: skip
+        ("s0", "rules"): ("left", "completes", 1, 1),
+        ("s1", "rules"): ("left", "completes", 1, 1),
+        ("s0", "constant:wait"): ("wait", "harmless", 0, 1),
+        ("s1", "constant:wait"): ("wait", "harmless", 0, 1),
+        ("s0", "teller"): ("left", "completes", 1, 1),
+        ("s1", "teller"): ("right", "harms", 0, 1),
+    }
     with ResultStore(store) as opened:
         (question, *_), scenes = opened.questions(), list(opened.scenes())
     assert (question.options, question.permitted) == ('["left", "right", "wait"]',) * 2
@@ -305,8 +308,10 @@ def test_a_script_is_asked_again_once_the_kind_of_its_scene_has_changed(tmp_path
     after = cells_in(store)
     assert [cell for cell in after if cell.model != "teller"] == [cell for cell in before if cell.model != "teller"]
     assert {cell.scene: cell.option for cell in after if cell.model == "teller"} == {
-        "s0": "right", "s1": "right", "s2": "left",
-    }  # fmt: skip
+        "s0": "right",
+        "s1": "right",
+        "s2": "left",
+    }
 
 
 def test_answers_that_were_there_before_the_labels_are_graded_by_them(tmp_path: Path) -> None:
@@ -361,9 +366,10 @@ def test_what_asks_no_one_is_bound_by_no_budget_of_calls_and_by_no_rate(tmp_path
     ran(path, store)
     with ResultStore(store, writes=True) as opened:
         opened.add([each._replace(latency_s=2.5) for each in opened.cells()])
-    write_campaign(tmp_path, campaign_data(
-        3, **words, budget={"calls": 1}, rates={"teller": {"calls_per_minute": 0.01}}, labels="rollouts"
-    ))  # fmt: skip
+    write_campaign(
+        tmp_path,
+        campaign_data(3, **words, budget={"calls": 1}, rates={"teller": {"calls_per_minute": 0.01}}, labels="rollouts"),
+    )
     again = tmp_path / "again.db"
     result = ran(path, again, recorded=store)
     assert (result.counts, result.missing, result.stopped) == ({"answered": 3}, 0, "")

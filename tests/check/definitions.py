@@ -65,8 +65,11 @@ def _late(earlier: Any, after_s: float | None, near: int) -> TransitionRef | Non
 
 
 def dead_ends(index: MissionIndex, near: int) -> Places:
-    return [(spot.place, (spot.name,)) for spot in _waiting(index)
-            if not any(_frees(index, each, spot) for each in (*_here(spot), *_own(index)))]  # fmt: skip
+    return [
+        (spot.place, (spot.name,))
+        for spot in _waiting(index)
+        if not any(_frees(index, each, spot) for each in (*_here(spot), *_own(index)))
+    ]
 
 
 def waiting_rooms(index: MissionIndex, near: int) -> Places:
@@ -127,8 +130,11 @@ def lost_timers(index: MissionIndex, near: int) -> Places:
     def continues(one: TransitionRef) -> bool:
         others = [each for each in index.transitions if each.owner is one.owner and each is not one]
         bounded = one.owner is not None and one.owner.state.timeout_s is not None
-        return bounded or any((each.definition.after_s or 0.0) >= (one.definition.after_s or 0.0)
-                              for each in others if each.definition.after_s is not None)  # fmt: skip
+        return bounded or any(
+            (each.definition.after_s or 0.0) >= (one.definition.after_s or 0.0)
+            for each in others
+            if each.definition.after_s is not None
+        )
 
     timed = [each for each in index.transitions if each.definition.after_s is not None]
     return [(f"{each.place}/when", ()) for each in timed if each.definition.when is not None and not continues(each)]
@@ -140,8 +146,11 @@ def unhandled_failures(index: MissionIndex, near: int) -> Places:
 
 def _uncaught(index: MissionIndex, spot: StateRef) -> Iterator[str]:
     for word in FAILURES:
-        caught = any(word in each.definition.on and (each.definition.of or here.name) == here.name
-                     for here in spot.upward() for each in here.transitions)  # fmt: skip
+        caught = any(
+            word in each.definition.on and (each.definition.of or here.name) == here.name
+            for here in spot.upward()
+            for each in here.transitions
+        )
         known = {(spot.name, word), ("", word)} & handled(index)
         if not isinstance(spot.state, Final | History) and word in spot.state.outcomes() and not caught and not known:
             yield word

@@ -31,48 +31,107 @@ class Changed(NamedTuple):
 
 HORN, BATTERY = {"service": "/horn", "type": "std_srvs/srv/Trigger"}, {"topic": "/battery", "type": "x/msg/Y"}
 FILES = {
-    "gate": Changed(GateWords, {"commands": [{"topic": "/a", "type": "x/msg/Y"}], "leases": {}}, (
-        (("leases", "agnet"), 1.0), (("leases", "nobdy"), 2.0), (("leases", "agent"), 0.001),
-        (("leases", "operator"), 0.002), (("name",), "gate"),
-    )),
-    "gate's commands": Changed(GateWords, {"leases": {}}, (
-        (("commands",), [{"topic": each, "type": "x/msg/Y"} for each in ("/a", "/a", "/b", "/b")]),
-    )),
-    "campaign": Changed(CampaignFile, {
-        "name": "c", "mission": "m.json", "robot": "r.json", "decision": "d", "models": ["rules", "openai:x"],
-        "scenes": {"world": "orchard", "seeds": [1]}, "prices": {}, "rates": {}, "scripts": {}, "budget": {},
-    }, (
-        (("embodiments",), ["none", "nne", "non", "none"]), (("orders",), ["written", "written"]),
-        (("prices", "opnai:x"), {}), (("prices", "opena:x"), {}), (("scripts", "rule"), {"*": "stop"}),
-        (("rates", "opnai"), {}), (("rates", "opena"), {}),
-    )),
-    "campaign's prices": Changed(CampaignFile, {
-        "name": "c", "mission": "m.json", "robot": "r.json", "decision": "d", "models": ["openai:x", "openai:y"],
-        "scenes": {"world": "orchard", "seeds": [1]}, "budget": {},
-    }, ((("budget", "money"), 1), (("embodiments",), ["nne"]), (("retries",), 11))),
-    "campaign's scenes": Changed(CampaignFile, {
-        "name": "c", "mission": "m.json", "robot": "r.json", "decision": "d", "models": ["rules"],
-        "scenes": {"world": "orchard", "seeds": [1]},
-    }, (
-        (("scenes", "given"), [{"scene": each, "kind": "x", "seed": 1} for each in ("a", "a", "b", "b")]),
-        (("scenes", "count"), 3), (("embodiments",), ["nne"]), (("models",), ["rules", "rules"]),
-        (("budget",), {"calls": 0}),
-    )),
-    "profile": Changed(Robot, {
-        "name": "r", "services": {"horn": HORN}, "control": {}, "events": {}, "actions": {}, "blackboard": {},
-        "conversation": {"may": {}},
-    }, (
-        (("control", "agnet"), HORN), (("control", "operater"), HORN),
-        (("conversation", "may", "persn"), ["stop"]), (("conversation", "may", "viewr"), ["stop"]),
-        (("actions", "go"), {"start": "/go", "type": "x/action/Y"}),
-        (("blackboard", "at_home"), {**BATTERY, "every_s": 2, "request": {"a": 1}, "json": True, "as": "pose"}),
-        (("events", "hit"), {"posted": True, "topic": "/hit", "during": "go"}),
-    )),
-    "profile's rest": Changed(Robot, {"name": "r", "events": {}}, (
-        (("events", "a"), {**BATTERY, "during": "go"}),
-        (("events", "b"), {**BATTERY, "during": "stay"}),
-    )),
-}  # fmt: skip
+    "gate": Changed(
+        GateWords,
+        {"commands": [{"topic": "/a", "type": "x/msg/Y"}], "leases": {}},
+        (
+            (("leases", "agnet"), 1.0),
+            (("leases", "nobdy"), 2.0),
+            (("leases", "agent"), 0.001),
+            (("leases", "operator"), 0.002),
+            (("name",), "gate"),
+        ),
+    ),
+    "gate's commands": Changed(
+        GateWords,
+        {"leases": {}},
+        ((("commands",), [{"topic": each, "type": "x/msg/Y"} for each in ("/a", "/a", "/b", "/b")]),),
+    ),
+    "campaign": Changed(
+        CampaignFile,
+        {
+            "name": "c",
+            "mission": "m.json",
+            "robot": "r.json",
+            "decision": "d",
+            "models": ["rules", "openai:x"],
+            "scenes": {"world": "orchard", "seeds": [1]},
+            "prices": {},
+            "rates": {},
+            "scripts": {},
+            "budget": {},
+        },
+        (
+            (("embodiments",), ["none", "nne", "non", "none"]),
+            (("orders",), ["written", "written"]),
+            (("prices", "opnai:x"), {}),
+            (("prices", "opena:x"), {}),
+            (("scripts", "rule"), {"*": "stop"}),
+            (("rates", "opnai"), {}),
+            (("rates", "opena"), {}),
+        ),
+    ),
+    "campaign's prices": Changed(
+        CampaignFile,
+        {
+            "name": "c",
+            "mission": "m.json",
+            "robot": "r.json",
+            "decision": "d",
+            "models": ["openai:x", "openai:y"],
+            "scenes": {"world": "orchard", "seeds": [1]},
+            "budget": {},
+        },
+        ((("budget", "money"), 1), (("embodiments",), ["nne"]), (("retries",), 11)),
+    ),
+    "campaign's scenes": Changed(
+        CampaignFile,
+        {
+            "name": "c",
+            "mission": "m.json",
+            "robot": "r.json",
+            "decision": "d",
+            "models": ["rules"],
+            "scenes": {"world": "orchard", "seeds": [1]},
+        },
+        (
+            (("scenes", "given"), [{"scene": each, "kind": "x", "seed": 1} for each in ("a", "a", "b", "b")]),
+            (("scenes", "count"), 3),
+            (("embodiments",), ["nne"]),
+            (("models",), ["rules", "rules"]),
+            (("budget",), {"calls": 0}),
+        ),
+    ),
+    "profile": Changed(
+        Robot,
+        {
+            "name": "r",
+            "services": {"horn": HORN},
+            "control": {},
+            "events": {},
+            "actions": {},
+            "blackboard": {},
+            "conversation": {"may": {}},
+        },
+        (
+            (("control", "agnet"), HORN),
+            (("control", "operater"), HORN),
+            (("conversation", "may", "persn"), ["stop"]),
+            (("conversation", "may", "viewr"), ["stop"]),
+            (("actions", "go"), {"start": "/go", "type": "x/action/Y"}),
+            (("blackboard", "at_home"), {**BATTERY, "every_s": 2, "request": {"a": 1}, "json": True, "as": "pose"}),
+            (("events", "hit"), {"posted": True, "topic": "/hit", "during": "go"}),
+        ),
+    ),
+    "profile's rest": Changed(
+        Robot,
+        {"name": "r", "events": {}},
+        (
+            (("events", "a"), {**BATTERY, "during": "go"}),
+            (("events", "b"), {**BATTERY, "during": "stay"}),
+        ),
+    ),
+}
 
 
 def faults(file: Changed, changes: Any) -> set[str]:

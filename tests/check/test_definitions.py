@@ -136,9 +136,14 @@ def waiting(size: int) -> Json:
 def acting(size: int) -> Json:
     """States with an action, all of whose failures are handled."""
     ends = [{"on": ["failed", "timed_out", "rejected"], "to": "s0"}]
-    states = {f"s{at}": {"action": "move", "timeout_s": 5,
-                         "transitions": [{"on": "succeeded", "to": f"s{(at + 1) % size}"}, *ends]}
-              for at in range(size)}  # fmt: skip
+    states = {
+        f"s{at}": {
+            "action": "move",
+            "timeout_s": 5,
+            "transitions": [{"on": "succeeded", "to": f"s{(at + 1) % size}"}, *ends],
+        }
+        for at in range(size)
+    }
     return {"states": states}
 
 

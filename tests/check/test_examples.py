@@ -49,9 +49,12 @@ def test_the_example_of_the_design_has_no_finding() -> None:
 def test_the_example_of_the_design_lets_failures_end_it_and_their_author_is_asked_about_it() -> None:
     left = [each.place for each in check(Mission.model_validate(DESIGN)) if each.rule == "unhandled-failure"]
     assert left == [
-        "/states/working/states/driving", "/states/crossing", "/states/replanning", "/states/signalling",
+        "/states/working/states/driving",
+        "/states/crossing",
+        "/states/replanning",
+        "/states/signalling",
         "/states/returning",
-    ]  # fmt: skip
+    ]
 
 
 def test_a_failure_that_is_handled_anywhere_around_its_state_ends_nothing() -> None:

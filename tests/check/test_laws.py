@@ -126,12 +126,15 @@ def happenings(mission: Mission) -> st.SearchStrategy[list[Any]]:
     answers = st.sampled_from(["drive_over", "replan", "wait", "give_up"])
     return st.lists(
         st.one_of(
-            st.sampled_from(EVENTS).map(lambda name: ("event", name)), facts.map(lambda fact: ("write", fact)),
+            st.sampled_from(EVENTS).map(lambda name: ("event", name)),
+            facts.map(lambda fact: ("write", fact)),
             st.sampled_from([1.0, 3.0, 11.0]).map(lambda wait: ("wait", wait)),
-            ends.map(lambda end: ("result", end)), answers.map(lambda option: ("answer", option)),
+            ends.map(lambda end: ("result", end)),
+            answers.map(lambda option: ("answer", option)),
         ),
-        min_size=5, max_size=25,
-    )  # fmt: skip
+        min_size=5,
+        max_size=25,
+    )
 
 
 def ran(mission: Mission, happened: list[Any]) -> tuple[set[str], set[str], set[str]]:
@@ -197,13 +200,22 @@ class Known:
 boards = st.fixed_dictionaries(
     {},
     optional={
-        "alleys": st.integers(0, 3), "count": st.integers(-1, 4), "armed": st.booleans(), "clear": st.booleans(),
-        "battery": st.sampled_from([0.05, 0.1, 0.2, 0.25, 0.4, 0.5, 0.6]), "pose": st.just({"x": 0.0, "y": 0.0}),
-        "obstacle": st.fixed_dictionaries({}, optional={
-            "kind": st.sampled_from(["log", "dog"]), "height_m": st.sampled_from([0.05, 0.1, 0.2, 0.25, 0.3]),
-            "living": st.booleans()}),
+        "alleys": st.integers(0, 3),
+        "count": st.integers(-1, 4),
+        "armed": st.booleans(),
+        "clear": st.booleans(),
+        "battery": st.sampled_from([0.05, 0.1, 0.2, 0.25, 0.4, 0.5, 0.6]),
+        "pose": st.just({"x": 0.0, "y": 0.0}),
+        "obstacle": st.fixed_dictionaries(
+            {},
+            optional={
+                "kind": st.sampled_from(["log", "dog"]),
+                "height_m": st.sampled_from([0.05, 0.1, 0.2, 0.25, 0.3]),
+                "living": st.booleans(),
+            },
+        ),
     },
-)  # fmt: skip
+)
 KEYS_OF_MISSION = Mission.model_validate(
     {"name": "keys", "blackboard": KEYS, "initial": "here", "states": {"here": {}}}
 ).blackboard

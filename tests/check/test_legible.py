@@ -317,8 +317,13 @@ def test_a_state_that_is_no_object_or_has_parallel_as_a_flag_hides_no_name(
     assert sentence in found["/states/odd"]
     assert {*NAMES, *more} == found.keys() - {"/states/odd"}
     assert found["/states/next/transitions/0/to"] == "no state 'edn'; did you mean 'end'?"
-    for command in (["run", str(path)], ["prove", str(path)], ["draw", str(path), "-o", str(tmp_path / "m.svg")],
-                    ["try", str(path), "--terminal"], ["diff", str(path), str(path)]):  # fmt: skip
+    for command in (
+        ["run", str(path)],
+        ["prove", str(path)],
+        ["draw", str(path), "-o", str(tmp_path / "m.svg")],
+        ["try", str(path), "--terminal"],
+        ["diff", str(path), str(path)],
+    ):
         assert main(command) == 2
         printed = capsys.readouterr().err
         assert all(f"{path}: {place}: {found[place]}" in printed for place in found), command
@@ -351,9 +356,10 @@ def test_a_guard_that_cannot_be_read_hides_no_fault_of_the_decision_around_it(tm
     path.write_text(json.dumps(document))
     found = {each.finding.place: each.finding.sentence for each in check_file(str(path)).findings}
     assert found.keys() == {
-        "/states/asking/decision/fallback", "/states/asking/decision/options/y/when/=<",
+        "/states/asking/decision/fallback",
+        "/states/asking/decision/options/y/when/=<",
         "/states/asking/transitions/1/too",
-    }  # fmt: skip
+    }
     assert found["/states/asking/decision/fallback"] == "'fallback' names no option: 'z'; there is: x, y"
 
 

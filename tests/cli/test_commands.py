@@ -65,9 +65,18 @@ def test_a_run_in_json_prints_one_object_and_nothing_else(folder: Path, capsys: 
     main(["run", "lamp.json", "--journal", "a.journal", "--json"])
     reported = json.loads(capsys.readouterr().out)
     assert {**reported, "run": "", "duration_s": 0} == {
-        "mission": "lamp", "run": "", "outcome": "aborted", "why": "'off' was reached", "state": "off", "steps": 2,
-        "decisions": 0, "duration_s": 0, "journal": "a.journal", "moved_aside": None, "open_goals": [],
-    }  # fmt: skip
+        "mission": "lamp",
+        "run": "",
+        "outcome": "aborted",
+        "why": "'off' was reached",
+        "state": "off",
+        "steps": 2,
+        "decisions": 0,
+        "duration_s": 0,
+        "journal": "a.journal",
+        "moved_aside": None,
+        "open_goals": [],
+    }
 
 
 def test_a_journal_is_never_written_over(folder: Path) -> None:

@@ -64,8 +64,12 @@ def completed(shell: str, line: str, folder: Path) -> set[str]:
         program = FISH.format(line=line)
     ran = subprocess.run(
         [shell, *(["--norc"] if shell == "bash" else ["--no-config"]), "-c", program],
-        cwd=folder, capture_output=True, text=True, timeout=60, check=True,
-    )  # fmt: skip
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
     return {found.partition("\t")[0] for found in ran.stdout.splitlines() if found}
 
 

@@ -55,12 +55,15 @@ def examples() -> list[Example]:
     places = in_turn("place", "gate", "hall", "yard", "dock")
     beds = in_turn("bed", "herbs", "tomatoes", "beans", "door")
     return [
-        Example("delivery", {"drive": number, "go_around": bare, "hand_over": bare},
-                {"drive": lambda goal: {"to_m": goal["order"]}}),
+        Example(
+            "delivery",
+            {"drive": number, "go_around": bare, "hand_over": bare},
+            {"drive": lambda goal: {"to_m": goal["order"]}},
+        ),
         Example("patrol", {"go_to": bare, "look": bare, "radio": radio}, {"go_to": places}),
         Example("pick_and_place", {"pick": bare, "place": bare}, {"pick": parts}),
         Example("python", {"go_to": bare, "pour": bare}, {"go_to": beds, "pour": lambda _: {"litres": 1.0}}),
-    ]  # fmt: skip
+    ]
 
 
 class PassedOn:

@@ -74,9 +74,13 @@ open_voice = Voice
     ],
 )
 def test_a_text_is_spoken_sentence_by_sentence_however_long_it_is(
-    text: str, status: int, written: str,
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
+    text: str,
+    status: int,
+    written: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     offers = "[rai_missions.voices]\nbreath = short_of_breath:open_voice\n"
     monkeypatch.syspath_prepend(str(laid_out(tmp_path, "short_of_breath", "1.0", offers=offers, code=SHORT_OF_BREATH)))
     assert main(["speak", text, "--voice", "breath", "-o", str(tmp_path / "out.wav")]) == status

@@ -35,9 +35,14 @@ def shell(command: str, *words: str, **variables: str) -> subprocess.CompletedPr
     """A command line of a shell, in which `$@` is the program with these words."""
     program = [sys.executable, "-m", "rai_missions", *words]
     return subprocess.run(
-        ["sh", "-c", command, "sh", *program], capture_output=True, text=True, check=False, errors="replace",
-        stdin=subprocess.DEVNULL, env={**os.environ, "PYTHONUNBUFFERED": "", **variables},
-    )  # fmt: skip
+        ["sh", "-c", command, "sh", *program],
+        capture_output=True,
+        text=True,
+        check=False,
+        errors="replace",
+        stdin=subprocess.DEVNULL,
+        env={**os.environ, "PYTHONUNBUFFERED": "", **variables},
+    )
 
 
 def test_what_a_terminal_cannot_show_is_printed_as_its_escape(folder: Path) -> None:

@@ -49,9 +49,14 @@ class Terminal:
         self.journal = mission.with_suffix(".journal")
         environment = {**os.environ, "TERM": "xterm", "COLUMNS": "200", "LINES": "40"}
         self.program = subprocess.Popen(
-            [PROGRAM, "run", mission, "--talk", "--journal", self.journal, *more], stdin=side, stdout=side, stderr=side,
-            env=environment, start_new_session=True, preexec_fn=lambda: _own_terminal(side),  # noqa: PLW1509 - this test has no other thread
-        )  # fmt: skip
+            [PROGRAM, "run", mission, "--talk", "--journal", self.journal, *more],
+            stdin=side,
+            stdout=side,
+            stderr=side,
+            env=environment,
+            start_new_session=True,
+            preexec_fn=lambda: _own_terminal(side),  # noqa: PLW1509 - this test has no other thread
+        )
         os.close(side)
         self.text = ""
 
@@ -155,9 +160,13 @@ def test_a_terminal_that_goes_away_ends_no_mission_and_the_end_is_in_the_journal
     mission.write_text(json.dumps(WAITING | {"states": states}))
     journal = mission.with_suffix(".journal")
     result = subprocess.run(
-        [PROGRAM, "run", mission, "--talk", "--journal", journal], input="what are you doing?\n", text=True,
-        capture_output=True, timeout=PATIENCE_S, check=False,
-    )  # fmt: skip
+        [PROGRAM, "run", mission, "--talk", "--journal", journal],
+        input="what are you doing?\n",
+        text=True,
+        capture_output=True,
+        timeout=PATIENCE_S,
+        check=False,
+    )
     assert result.returncode == 1 and "aborted" in result.stdout, result
     with read(journal) as record:
         lines = [each for row in record.rows() for each in (getattr(row, "data", None) or {}).get("lines", ())]
@@ -246,9 +255,13 @@ def test_who_pipes_the_orders_of_a_run_that_waits_has_it_started_and_ended(missi
 
     def run(number: int, typed: str) -> str:
         result = subprocess.run(
-            [*command, mission.with_suffix(f".{number}")], input=typed, text=True, capture_output=True,
-            timeout=PATIENCE_S, check=False,
-        )  # fmt: skip
+            [*command, mission.with_suffix(f".{number}")],
+            input=typed,
+            text=True,
+            capture_output=True,
+            timeout=PATIENCE_S,
+            check=False,
+        )
         assert result.returncode == 1, result
         return result.stdout
 
@@ -266,9 +279,13 @@ def test_a_run_that_was_killed_before_its_start_waits_for_it_again(mission: Path
         screen.program.kill()
     journal = mission.with_suffix(".journal")
     resumed = subprocess.run(
-        [PROGRAM, "run", "--talk", "--resume", journal], input="what are you doing?\nstart\nyes\n", text=True,
-        capture_output=True, timeout=PATIENCE_S, check=False,
-    )  # fmt: skip
+        [PROGRAM, "run", "--talk", "--resume", journal],
+        input="what are you doing?\nstart\nyes\n",
+        text=True,
+        capture_output=True,
+        timeout=PATIENCE_S,
+        check=False,
+    )
     assert "is ready to start" in resumed.stdout and "done := 2" in resumed.stdout, resumed
     assert (
         "Again: The mission 'errand' is ready" in resumed.stdout
@@ -290,9 +307,13 @@ def test_what_waited_when_a_run_was_killed_is_reported_by_the_one_that_resumes_i
         screen.until("waits at the gate")
         screen.program.kill()
     resumed = subprocess.run(
-        [PROGRAM, "run", "--talk", "--resume", screen.journal], input="stop\n", text=True, capture_output=True,
-        timeout=PATIENCE_S, check=False,
-    )  # fmt: skip
+        [PROGRAM, "run", "--talk", "--resume", screen.journal],
+        input="stop\n",
+        text=True,
+        capture_output=True,
+        timeout=PATIENCE_S,
+        check=False,
+    )
     lost = next(line for line in resumed.stdout.splitlines() if "are lost with it" in line)
     assert "with rounds 2" in lost and "with rounds 3" in lost
     with read(screen.journal) as record:
@@ -315,9 +336,12 @@ def test_the_end_is_reported_in_the_output_where_the_last_page_was_closed_before
     """What is printed is kept wherever it goes, so it is no reason to wait for a reader who may never come."""
     journal = mission.with_suffix(".journal")
     with subprocess.Popen(
-        [PROGRAM, "run", mission, "--talk", "--watch", "0", "--journal", journal], stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-    ) as program:  # fmt: skip
+        [PROGRAM, "run", mission, "--talk", "--watch", "0", "--journal", journal],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    ) as program:
         assert program.stdout is not None
         address = next(line for line in program.stdout if line.startswith("watch: ")).split()[1]
         page, _, token = address.partition("#token=")

@@ -35,9 +35,12 @@ class Line:
         self.put_off: list[tuple[float, Callable[[], None]]] = []
         self.local = LocalConnector(now=lambda: 10.0)
         self.chaos = ChaosConnector(
-            self.local, seed, incoming=rates(**words), outgoing=rates(**words),
+            self.local,
+            seed,
+            incoming=rates(**words),
+            outgoing=rates(**words),
             later=lambda seconds, do: self.put_off.append((seconds, do)),
-        )  # fmt: skip
+        )
         self.chaos.start()
 
     def receive(self, count: int = MESSAGES) -> list[Message]:

@@ -39,10 +39,11 @@ RULES = next(
 ABSENT = [
     remedy
     for remedy, is_here in (
-        ("apt-get install mosquitto", BROKER), ("pip install -e '.[mqtt]'", importlib.util.find_spec("paho")),
+        ("apt-get install mosquitto", BROKER),
+        ("pip install -e '.[mqtt]'", importlib.util.find_spec("paho")),
     )
     if not is_here
-]  # fmt: skip
+]
 needs_broker = pytest.mark.skipif(bool(ABSENT), reason=f"no MQTT broker or client here: {' and '.join(ABSENT)}")
 
 

@@ -99,11 +99,22 @@ def test_of_many_speakers_those_are_remembered_who_ordered_last() -> None:
 
 PATROL = RUNNING._replace(missions=(MissionView("patrol"), MissionView("tour")))
 HAPPENS = tuple(
-    each.split(", ") for each in (
-        "start the patrol, yes", "start the tour, yes", "start the tour", "yes", "no", "stop", "what is that?",
-        "failed", "succeeded", "begins", "refused", "waits",
+    each.split(", ")
+    for each in (
+        "start the patrol, yes",
+        "start the tour, yes",
+        "start the tour",
+        "yes",
+        "no",
+        "stop",
+        "what is that?",
+        "failed",
+        "succeeded",
+        "begins",
+        "refused",
+        "waits",
     )
-)  # fmt: skip
+)
 
 
 @given(st.lists(st.sampled_from(HAPPENS), max_size=12).map(lambda each: [*chain(*each)]))

@@ -59,22 +59,23 @@ MISSIONS = (MissionView("patrol", "look", (KeyView("laps", "integer", "argument"
 BEGIN = StatusView(run="r1", mode="running", mission="patrol", robot="rob", keys=KEYS, missions=MISSIONS)
 
 speaks = st.tuples(
-    st.just("speaks"), st.sampled_from(DOORS), st.sampled_from(AUTHORS), st.sampled_from(HOSTILE),
+    st.just("speaks"),
+    st.sampled_from(DOORS),
+    st.sampled_from(AUTHORS),
+    st.sampled_from(HOSTILE),
     st.one_of(st.none(), st.sampled_from(HOSTILE)),
-)  # fmt: skip
+)
 lists = st.one_of(
     speaks,
     st.tuples(st.just("mode"), st.sampled_from((*ALIVE, "succeeded", "failed", "canceled"))),
     st.tuples(st.just("run"), st.sampled_from(("r1", "r2", "r3"))),
     st.tuples(st.just("question"), st.sampled_from(((), (1,), (2,), (1, 2), (1, 3), (3,)))),
-    st.tuples(
-        st.just("model"), st.sampled_from((*CLAIMS, *TALK, *HOSTILE)), st.sampled_from(PROPOSED), st.booleans()
-    ),
+    st.tuples(st.just("model"), st.sampled_from((*CLAIMS, *TALK, *HOSTILE)), st.sampled_from(PROPOSED), st.booleans()),
     st.tuples(st.just("speech"), st.integers(0, 6), st.sampled_from(("whole", "whole", "cut", "failed"))),
     st.tuples(st.just("order"), st.integers(0, 9), st.sampled_from(("", "no"))),
     st.tuples(st.just("waits"), st.sampled_from((0.3, 3.0, 25.0))),
     st.tuples(st.just("speaker"), st.booleans()),
-)  # fmt: skip
+)
 scripts = st.lists(st.one_of(speaks, lists), min_size=5, max_size=45)
 
 

@@ -25,9 +25,12 @@ def asking(options: Mapping[str, str]) -> StatusView:
     """A run with an open question."""
     offers = tuple(Offer(name, about) for name, about in options.items())
     return StatusView(
-        run="r1", mode="running", mission="rows", robot="rob",
+        run="r1",
+        mode="running",
+        mission="rows",
+        robot="rob",
         questions=(Question(1, "assessing", "operator", "What now?", offers),),
-    )  # fmt: skip
+    )
 
 
 def outputs(code: str, *sentences: str) -> tuple[Output, ...]:

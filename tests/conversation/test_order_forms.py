@@ -20,16 +20,20 @@ FREE = {"type": "object", "properties": {"row": {"type": "integer", "minimum": 1
         "additionalProperties": False}  # fmt: skip
 VIEW = StatusView(
     missions=(
-        MissionView("patrol", arguments=(
-            KeyView("rounds", "integer", "argument", minimum=1, maximum=9), KeyView("who", "string", "argument"),
-        )),
+        MissionView(
+            "patrol",
+            arguments=(
+                KeyView("rounds", "integer", "argument", minimum=1, maximum=9),
+                KeyView("who", "string", "argument"),
+            ),
+        ),
         MissionView("assist"),
     ),
     questions=(
         Question(3, "blocked", "operator", "And now?", (Offer("wait"), Offer("skip", parameters=FREE))),
         Question(4, "lost", "operator", "Where to?", (Offer("dock"),)),
     ),
-)  # fmt: skip
+)
 EXAMPLES: tuple[Mapping[str, Any], ...] = (
     *({"order": name} for name in ("pause", "resume", "cancel", "stop")),
     {"order": "start", "mission": "patrol", "arguments": {"rounds": 3, "who": "Ann"}},

@@ -32,9 +32,7 @@ def asked_for(code: str, text: str) -> str:
 @pytest.mark.parametrize(("code", "name", "text"), MEANT)
 def test_a_question_in_own_words_is_answered_and_orders_nothing(code: str, name: str, text: str) -> None:
     assert asked_for(code, text) == name
-    outputs = Dialogue(Settings(language=code), VIEW).on_utterance(
-        Utterance(text, "viewer", "page", at=1.0), VIEW
-    )  # fmt: skip
+    outputs = Dialogue(Settings(language=code), VIEW).on_utterance(Utterance(text, "viewer", "page", at=1.0), VIEW)
     assert not any(
         isinstance(each, Order) or (isinstance(each, TalkNote) and each.kind == "mapped") for each in outputs
     )

@@ -58,8 +58,10 @@ def test_a_phrase_with_a_listed_verb_is_read_with_each_verb_of_its_sense(
 
 @pytest.mark.parametrize("code", languages())
 def test_the_verbs_that_people_use_are_of_the_sense_that_they_have(code: str) -> None:
-    read = {text: object_of(code, f"{verb} {{object}}", language(code).normaliser.words(f"{text} Xylophon"))
-            for text, verb in HEADS[code].items()}  # fmt: skip
+    read = {
+        text: object_of(code, f"{verb} {{object}}", language(code).normaliser.words(f"{text} Xylophon"))
+        for text, verb in HEADS[code].items()
+    }
     assert read == dict.fromkeys(HEADS[code], "xylophon")
 
 

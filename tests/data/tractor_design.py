@@ -14,12 +14,15 @@ k = Keys(
     battery=Key(float, source="robot", max_age_s=10),
     camera=Key(Image, source="robot", max_age_s=1),
     obstacle=Key(
-        dict, source="robot", max_age_s=0.5, optional=True,
+        dict,
+        source="robot",
+        max_age_s=0.5,
+        optional=True,
         fields={"kind": str, "distance_m": float, "height_m": float, "living": bool},
     ),
     passed=Key(bool, source="robot", max_age_s=5, optional=True),
     signals=Key(int, source="mission", initial=0),
-)  # fmt: skip
+)
 
 
 def mission() -> Mission:

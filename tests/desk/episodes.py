@@ -81,9 +81,14 @@ def episode(request: str, world: Mapping[str, Any], moments: Moments | None = No
         result = one.run()
         found = judged(one)
         return Episode(
-            result.outcome, "/".join(result.state), found, one.entered.count("moving"), one.world.at,
-            time.process_time() - begun, one.report or result.why,
-        )  # fmt: skip
+            result.outcome,
+            "/".join(result.state),
+            found,
+            one.entered.count("moving"),
+            one.world.at,
+            time.process_time() - begun,
+            one.report or result.why,
+        )
     finally:
         one.prepared.close()
 

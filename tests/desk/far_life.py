@@ -85,9 +85,14 @@ class FarConnector:
         self.ask("publish", topic=topic, type_name=type_name, message=message)
 
     def call(
-        self, service: str, type_name: str, request: Data, *, on_reply: Callable[[Reply], None],
+        self,
+        service: str,
+        type_name: str,
+        request: Data,
+        *,
+        on_reply: Callable[[Reply], None],
         timeout_s: float | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         number = self._listen(lambda given: on_reply(Reply(*given)))
         self.ask("call", number=number, service=service, type_name=type_name, request=request)
 

@@ -107,8 +107,11 @@ class Trial:
         colours = {each["name"]: each.get("colour", "") for each in self.case.world["scene"]["objects"]}
         seen = {
             "things": [{**each.model_dump(mode="json"), "colour": colours[each.name]} for each in things],
-            "gripper": "empty", "unsure": 0, "looks": 30, "stamp_s": self.at,
-        }  # fmt: skip
+            "gripper": "empty",
+            "unsure": 0,
+            "looks": 30,
+            "stamp_s": self.at,
+        }
         empty = {"width_m": 0.08, "holding": False, "left_n": 0.0, "right_n": 0.0}
         for key, value in (("objects", seen), ("gripper", empty)):
             if self.chart.outcome is None:

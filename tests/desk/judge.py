@@ -67,6 +67,16 @@ def is_so(goal: Goal, seen: Mapping[str, Any], names: Mapping[str, str], truth: 
 def _thing(name: str, true: TrueThing, sigma_m: float) -> Thing:
     kind: Any = true.kind
     return Thing(
-        name, kind, true.x, true.y, true.z, yaw=true.yaw, size=true.size, sigma_m=sigma_m, colour=true.colour,
-        looks=1000, agreeing=1000, at_rest=true.at_rest,
-    )  # fmt: skip
+        name,
+        kind,
+        true.x,
+        true.y,
+        true.z,
+        yaw=true.yaw,
+        size=true.size,
+        sigma_m=sigma_m,
+        colour=true.colour,
+        looks=1000,
+        agreeing=1000,
+        at_rest=true.at_rest,
+    )

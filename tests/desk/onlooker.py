@@ -175,12 +175,15 @@ class Onlooker:
         again, steps = assert_whole(journal), steps_of(journal)
         started = sum(isinstance(each, StartGoal) for step in steps for each in step.effects)
         return DeskVerdict(
-            again.outcome, again.why, tuple(unmet(plain_goal(goal, self.first), self.seen)), self.seen.held,
+            again.outcome,
+            again.why,
+            tuple(unmet(plain_goal(goal, self.first), self.seen)),
+            self.seen.held,
             tuple(Fall(name, at, self._is_reported(at)) for name, at in self.drops),
             tuple(name for name, each in self.goals.items() if each.asked > 1),
             tuple(name for name, each in self.goals.items() if "busy" in each.why),
             tuple(self.goals)[started:],
-        )  # fmt: skip
+        )
 
     def _is_reported(self, at: float) -> bool:
         ends = [each.end for each in self.goals.values() if each.over >= at]

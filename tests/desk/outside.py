@@ -295,9 +295,15 @@ def played_hard(case: HardCase) -> HardEnd:
         if one.first is not None and one.truth is not None:
             missing = tuple(unmet([*_without_swaps(case.goal, one)], one.truth))
         return HardEnd(
-            case, result.outcome, "/".join(result.state), missing, judged(one), one.entered.count("moving"), spent,
+            case,
+            result.outcome,
+            "/".join(result.state),
+            missing,
+            judged(one),
+            one.entered.count("moving"),
+            spent,
             one.report or result.why,
-        )  # fmt: skip
+        )
     finally:
         one.prepared.close()
 

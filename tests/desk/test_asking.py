@@ -77,9 +77,7 @@ def test_what_was_meant_is_unclear_once_more_is_seen_so_no_success_is_claimed() 
     later = [*placed, thing("red_cube_2", 0.5, -0.2, colour="red"), thing("apple_2", 0.5, -0.4)]
     assert settled(placed, placed).outcome == "succeeded"
     end = settled(placed, later)
-    assert (end.outcome, end.view.board["report"].value) == (
-        "failed", reading_of(BOTH_KINDS, scene(*later)).question
-    )  # fmt: skip
+    assert (end.outcome, end.view.board["report"].value) == ("failed", reading_of(BOTH_KINDS, scene(*later)).question)
 
 
 BOTH_KINDS = "put the red cube and the apples in the tray"

@@ -46,9 +46,17 @@ class Arm(Graph):
     def arrange(self, name: str, request: str) -> dict[str, Any]:
         """Run one request to its end; what was reported."""
         run = self.start(
-            "run", MISSION, "--robot", PROFILE, "--no-operator", "--json", "--set", f"request={request}",
-            "--journal", str(self.journal(name)),
-        )  # fmt: skip
+            "run",
+            MISSION,
+            "--robot",
+            PROFILE,
+            "--no-operator",
+            "--json",
+            "--set",
+            f"request={request}",
+            "--journal",
+            str(self.journal(name)),
+        )
         status = run.ends()
         assert status in (0, 1), f"exit status {status}: {run.text}"
         reported: dict[str, Any] = json.loads(run.lines.all[-1])

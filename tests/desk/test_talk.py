@@ -26,11 +26,17 @@ STORED = json.loads(
 )["conversations"]
 POSES = ((0.5, -0.2), (0.5, 0.2), (0.4, 0.0), (0.55, 0.0))
 THINGS = ("red_cube", "blue_cube", "tomato", "apple")
-SCENE = {"objects": [
-    {"name": name, "type": name.split("_")[-1], "colour": name[:-5] if "_" in name else "",
-     "pose": {"x": x, "y": y, "yaw": 0.0}}
-    for name, (x, y) in zip(THINGS, POSES, strict=True)
-]}  # fmt: skip
+SCENE = {
+    "objects": [
+        {
+            "name": name,
+            "type": name.split("_")[-1],
+            "colour": name[:-5] if "_" in name else "",
+            "pose": {"x": x, "y": y, "yaw": 0.0},
+        }
+        for name, (x, y) in zip(THINGS, POSES, strict=True)
+    ]
+}
 REFUSED = ("smash", "tomate")
 
 

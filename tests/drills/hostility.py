@@ -201,11 +201,23 @@ def raises(model: HostileModel, messages: list[BaseMessage]) -> str:
     secret = model._random.choice([*CANARIES.values(), OWN])
     refused = RuntimeError(f"400: the key {secret} may not use this form")
     refused.status_code = 400  # type: ignore[attr-defined]
-    raise model._random.choice([
-        RuntimeError(f"401 Unauthorized: Bearer {secret}"), OSError(f"https://robot:{secret}@proxy/"),
-        ValueError(secret), SystemExit(secret), refused, KeyboardInterrupt(secret), MemoryError(), RecursionError(),
-        NotImplementedError(), StopIteration(), TimeoutError(), UnicodeError(secret), Mute(),
-    ])  # fmt: skip
+    raise model._random.choice(
+        [
+            RuntimeError(f"401 Unauthorized: Bearer {secret}"),
+            OSError(f"https://robot:{secret}@proxy/"),
+            ValueError(secret),
+            SystemExit(secret),
+            refused,
+            KeyboardInterrupt(secret),
+            MemoryError(),
+            RecursionError(),
+            NotImplementedError(),
+            StopIteration(),
+            TimeoutError(),
+            UnicodeError(secret),
+            Mute(),
+        ]
+    )
 
 
 class Mute(Exception):

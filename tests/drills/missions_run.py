@@ -90,9 +90,14 @@ class Trial:
 
 
 def try_one(
-    seed: str, folder: Path, *, shows: bool = False, mission: Mission | None = None, model: Any = None,
+    seed: str,
+    folder: Path,
+    *,
+    shows: bool = False,
+    mission: Mission | None = None,
+    model: Any = None,
     deadline_s: float = DEADLINE_S,
-) -> Trial:  # fmt: skip
+) -> Trial:
     """Run one mission, and state what was wrong.
 
     Args:
@@ -144,9 +149,14 @@ def _run(seed: str, random: Random, folder: Path, steps: list[Step], mission: Mi
     began = time.monotonic()
     with Journal.create(folder / "run.journal", Header(dump(mission), WRITTEN, {})) as journal:
         runner = who.runner = Runner(
-            mission, robot=ROBOT, connector=connector, clock=SimulatedClock(yard), answerers={"agent": who},
-            journal=journal, observer=RunObserver(steps.append),
-        )  # fmt: skip
+            mission,
+            robot=ROBOT,
+            connector=connector,
+            clock=SimulatedClock(yard),
+            answerers={"agent": who},
+            journal=journal,
+            observer=RunObserver(steps.append),
+        )
         result = runner.run()
     wall_s = time.monotonic() - began
     getattr(model, "release", lambda: None)()

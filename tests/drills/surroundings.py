@@ -29,21 +29,25 @@ from tests.strategies import SIGHTS
 __all__ = ("ANY_ROBOT", "AnyAnswers", "Field", "PostponingWorld", "quick_folder", "quick_tempers")
 
 TRIGGER = "std_srvs/srv/Trigger"
-ANY_ROBOT = Robot.model_validate({
-    "name": "any",
-    "blackboard": {
-        "battery": {"topic": "/battery", "type": "sensor_msgs/msg/BatteryState", "field": "percentage"},
-        "clear": {"topic": "/clear", "type": "std_msgs/msg/Bool"},
-        "pose": {"topic": "/pose", "type": "geometry_msgs/msg/PoseStamped"},
-        "obstacle": {"topic": "/obstacle", "type": "std_msgs/msg/String", "json": True},
-        "objects": {"topic": "/objects", "type": "std_msgs/msg/String", "json": True},
-    },
-    "events": {name: {"posted": True} for name in ("anomaly", "halt", "poke", "hint")},
-    "actions": {name: {"action": f"/{name}", "type": "x/action/X", "uses": ["base"]}
-                for name in ("drive", "cross", "go_home")},
-    "services": {"horn": {"service": "/horn", "type": TRIGGER}, "replan": {"service": "/replan", "type": TRIGGER}},
-    "topics": {"lamp": {"topic": "/lamp", "type": "x/msg/Lamp"}},
-})  # fmt: skip
+ANY_ROBOT = Robot.model_validate(
+    {
+        "name": "any",
+        "blackboard": {
+            "battery": {"topic": "/battery", "type": "sensor_msgs/msg/BatteryState", "field": "percentage"},
+            "clear": {"topic": "/clear", "type": "std_msgs/msg/Bool"},
+            "pose": {"topic": "/pose", "type": "geometry_msgs/msg/PoseStamped"},
+            "obstacle": {"topic": "/obstacle", "type": "std_msgs/msg/String", "json": True},
+            "objects": {"topic": "/objects", "type": "std_msgs/msg/String", "json": True},
+        },
+        "events": {name: {"posted": True} for name in ("anomaly", "halt", "poke", "hint")},
+        "actions": {
+            name: {"action": f"/{name}", "type": "x/action/X", "uses": ["base"]}
+            for name in ("drive", "cross", "go_home")
+        },
+        "services": {"horn": {"service": "/horn", "type": TRIGGER}, "replan": {"service": "/replan", "type": TRIGGER}},
+        "topics": {"lamp": {"topic": "/lamp", "type": "x/msg/Lamp"}},
+    }
+)
 """The profile of what the generated missions name."""
 
 
@@ -117,9 +121,10 @@ class Field:
 
     def step(self) -> None:
         self._ticks += 1
-        due, self._plans = [do for at, do in self._plans if at <= self.at], [
-            plan for plan in self._plans if plan[0] > self.at
-        ]  # fmt: skip
+        due, self._plans = (
+            [do for at, do in self._plans if at <= self.at],
+            [plan for plan in self._plans if plan[0] > self.at],
+        )
         for do in due:
             do()
         self._say()

@@ -234,9 +234,13 @@ def patrol(path: Path, days: float, at: Callable[[int], None]) -> Mission:
     world = Patrolled(SEED, days * DAY_S, at)
     with Journal.create(path, Header(dump(patrolled), "", {})) as journal:
         world.runner = Runner(
-            patrolled, robot=robot(), connector=world.connector, clock=SimulatedClock(world), journal=journal,
+            patrolled,
+            robot=robot(),
+            connector=world.connector,
+            clock=SimulatedClock(world),
+            journal=journal,
             answerers={"agent": AnyAnswers(Random(SEED))},
-        )  # fmt: skip
+        )
         result = world.runner.run()
     assert result.outcome == "aborted" and result.steps > 500 * days, "it patrolled"
     return patrolled

@@ -50,8 +50,10 @@ def unowned(running: Iterable[str], runner: Runner, steps: Sequence[Step]) -> li
     ids = Goals(runner.run_id, Robot("none"), None, on_event=lambda *_: None)
     started = {
         ids.goal_id(effect.number, effect.owner): effect.number
-        for step in steps for effect in step.effects if isinstance(effect, StartGoal)
-    }  # fmt: skip
+        for step in steps
+        for effect in step.effects
+        if isinstance(effect, StartGoal)
+    }
     report = {
         number for number in started.values() for note in notes if f"goal {number} of" in note and "orphan" in note
     }
@@ -70,9 +72,13 @@ def in_a_field(mission: Mission, seed: int, incoming: Rates, outgoing: Rates, fo
     path = folder / "run.journal"
     with Journal.create(path, Header(dump(mission), dump_profile(ANY_ROBOT), {})) as journal:
         runner = field.runner = Runner(
-            mission, robot=ANY_ROBOT, connector=chaos, clock=SimulatedClock(world), journal=journal,
+            mission,
+            robot=ANY_ROBOT,
+            connector=chaos,
+            clock=SimulatedClock(world),
+            journal=journal,
             answerers=quick_tempers(Random(seed)),
-        )  # fmt: skip
+        )
         try:
             result = runner.run()
         except UsageError as refused:
@@ -124,9 +130,13 @@ def in_the_yard(seed: int, incoming: Rates, outgoing: Rates, folder: Path, count
     mission = yard_mission()
     with Journal.create(path, Header(dump(mission), dump_profile(yard_robot()), {})) as journal:
         runner = Runner(
-            mission, robot=yard_robot(), connector=chaos, clock=SimulatedClock(world), journal=journal,
+            mission,
+            robot=yard_robot(),
+            connector=chaos,
+            clock=SimulatedClock(world),
+            journal=journal,
             answerers={"agent": AnyAnswers(Random(seed))},
-        )  # fmt: skip
+        )
         try:
             result = runner.run()
         except UsageError as refused:
@@ -184,9 +194,13 @@ def with_the_tractor(seed: int, incoming: Rates, outgoing: Rates) -> list[str]:
     slow = PostponingWorld(world)
     chaos = ChaosConnector(local, seed, incoming=incoming, outgoing=outgoing, later=slow.later)
     setting = RunConfig(
-        TRACTOR / "mission.json", Robot.model_validate(profile), arguments={"alleys": 1}, connector=chaos,
-        clock=SimulatedClock(slow), answerers={"agent": AnyAnswers(random)},
-    )  # fmt: skip
+        TRACTOR / "mission.json",
+        Robot.model_validate(profile),
+        arguments={"alleys": 1},
+        connector=chaos,
+        clock=SimulatedClock(slow),
+        answerers={"agent": AnyAnswers(random)},
+    )
     try:
         with prepare(setting) as prepared:
             result = prepared.runner.run()

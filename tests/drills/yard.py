@@ -176,9 +176,18 @@ class Yard:
             publish("/yard/thing", STRING, {"data": json.dumps(facts)})
         if self.steps % 2 == 0:
             picture = Image(f"camera@{self.at:.1f}", 1, 1, "png", lambda: png_with_text(self._label))
-            publish("/yard/camera", "sensor_msgs/msg/Image", {
-                "height": 1, "width": 1, "encoding": "png", "is_bigendian": 0, "step": 3, "data": picture,
-            })  # fmt: skip
+            publish(
+                "/yard/camera",
+                "sensor_msgs/msg/Image",
+                {
+                    "height": 1,
+                    "width": 1,
+                    "encoding": "png",
+                    "is_bigendian": 0,
+                    "step": 3,
+                    "data": picture,
+                },
+            )
 
 
 class YardAction:

@@ -171,8 +171,10 @@ def test_what_is_no_file_is_not_waited_for(tmp_path: Path) -> None:
     (tmp_path / "folder.png").mkdir()
     (tmp_path / "loop.png").symlink_to("loop.png")
     assert faults(tmp_path) == [
-        "/folder.png: is a folder, no file", "/loop.png: is no file", "/pipe.png: is a named pipe (FIFO), no file",
-    ]  # fmt: skip
+        "/folder.png: is a folder, no file",
+        "/loop.png: is no file",
+        "/pipe.png: is a named pipe (FIFO), no file",
+    ]
 
 
 @pytest.mark.parametrize("make", [lambda path: path / "none", lambda path: folder(path, {}) / "description.md"])

@@ -343,7 +343,7 @@ def test_no_link_leads_out_of_the_folder(folder: Path, tmp_path: Path) -> None:
     assert [str(each) for each in report.faults] == [
         "/link.txt: leads out of the identity's folder; copy the file into it",
         "/pipe.txt: is a named pipe (FIFO), no file",
-    ]  # fmt: skip
+    ]
     assert "treasure" not in str(contents(tmp_path / "x.index"))
 
 

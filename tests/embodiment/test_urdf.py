@@ -52,8 +52,11 @@ def measures(geometry: Any) -> tuple[str, tuple[float, ...]]:
 
 def same_joint(joint: BodyJoint, theirs: Any) -> None:
     assert (joint.name, joint.kind, joint.parent, joint.child) == (
-        theirs.name, theirs.joint_type, theirs.parent, theirs.child,
-    )  # fmt: skip
+        theirs.name,
+        theirs.joint_type,
+        theirs.parent,
+        theirs.child,
+    )
     assert joint.origin_m == tuple(map(float, theirs.origin[:3, 3]))
     if joint.kind != "fixed":
         assert joint.axis == tuple(map(float, theirs.axis))

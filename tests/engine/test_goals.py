@@ -187,15 +187,22 @@ def test_a_goal_is_asked_for_where_the_request_names_its_things(request_: str, i
 def asking(request: str) -> Mission:
     """Reads, and ends where the reading leads."""
     ends = {"succeeded": "read", "unclear": "asked", "refused": "refused", "rejected": "blind"}
-    return Mission.model_validate({
-        "name": "asking", "initial": "reading_it",
-        "blackboard": KEYS | {"request": KEYS["request"] | {"initial": request}, "reading": {"type": "object"}},
-        "states": {
-            "reading_it": {"read": "request", "over": "objects", "into": "reading",
-                           "transitions": [{"on": end, "to": to} for end, to in ends.items()]},
-            **{to: {"final": "aborted"} for to in ends.values()},
-        },
-    })  # fmt: skip
+    return Mission.model_validate(
+        {
+            "name": "asking",
+            "initial": "reading_it",
+            "blackboard": KEYS | {"request": KEYS["request"] | {"initial": request}, "reading": {"type": "object"}},
+            "states": {
+                "reading_it": {
+                    "read": "request",
+                    "over": "objects",
+                    "into": "reading",
+                    "transitions": [{"on": end, "to": to} for end, to in ends.items()],
+                },
+                **{to: {"final": "aborted"} for to in ends.values()},
+            },
+        }
+    )
 
 
 @pytest.mark.parametrize(
@@ -265,12 +272,23 @@ def test_planning_in_a_circle_is_a_fault() -> None:
 
 def test_a_mission_in_python_is_that_of_json() -> None:
     k = Keys(**{name: Key.model_validate(KEYS[name]) for name in ("objects", "wanted", "plan")})
-    built = Mission("stack", keys=k, initial="planning", states={
-        "planning": Plan(k.wanted, over=k.objects, into=k.plan, transitions=[
-            On("succeeded", when=GoalIs(k.wanted, over=k.objects), to="done"),
-            On("failed", "rejected", to="refused"),
-        ]),
-        "refused": Final("aborted"), "done": Final("succeeded", requires=GoalIs(k.wanted, over=k.objects)),
-    })  # fmt: skip
+    built = Mission(
+        "stack",
+        keys=k,
+        initial="planning",
+        states={
+            "planning": Plan(
+                k.wanted,
+                over=k.objects,
+                into=k.plan,
+                transitions=[
+                    On("succeeded", when=GoalIs(k.wanted, over=k.objects), to="done"),
+                    On("failed", "rejected", to="refused"),
+                ],
+            ),
+            "refused": Final("aborted"),
+            "done": Final("succeeded", requires=GoalIs(k.wanted, over=k.objects)),
+        },
+    )
     assert Mission.model_validate(built.written()) == built
     assert built.written()["states"]["planning"]["plan"] == "wanted"

@@ -191,8 +191,9 @@ def test_a_default_only_leads(words: Json, why: str) -> None:
 def test_python_writes_what_json_reports() -> None:
     inside = {"a": {}, "back": History("shallow", transitions=[{"to": "a"}])}
     assert Compound(initial="back", states=inside).written() == {
-        "initial": "back", "states": {"a": {}, "back": {"history": "shallow", "transitions": [{"to": "a"}]}},
-    }  # fmt: skip
+        "initial": "back",
+        "states": {"a": {}, "back": {"history": "shallow", "transitions": [{"to": "a"}]}},
+    }
 
 
 def test_a_default_is_drawn_as_where_its_history_leads_without_memory() -> None:

@@ -196,8 +196,9 @@ def test_a_question_continues_where_control_comes_back_elsewhere_and_is_asked_fo
 @pytest.mark.parametrize("guard", [{"elapsed_s": 10}, {"held": {"key": "k", "==": True}, "for_s": 10}])
 def test_ages_in_held_states_are_still(guard: Json) -> None:
     keys = {"k": {"type": "boolean", "source": "robot"}}
-    made = Chart(mission({"a": {"control": "agent", "transitions": [{"when": guard, "to": "b"}]}, "b": {}},
-                         blackboard=keys))  # fmt: skip
+    made = Chart(
+        mission({"a": {"control": "agent", "transitions": [{"when": guard, "to": "b"}]}, "b": {}}, blackboard=keys)
+    )
     made.write("k", True)
     given(made, "agent", 0.0)
     made.start(0.0)

@@ -42,14 +42,21 @@ def started(inside: Json, items: int, *, after: str = "over", regions: bool = Fa
         "transitions": [] if regions else [{"on": "succeeded", "to": after}],
     }  # fmt: skip
     whole: Json = {"parallel": {"list": lists}, "transitions": [{"on": "succeeded", "to": "over"}]}
-    chart = Chart(Mission.model_validate({
-        "name": "lists", "initial": "whole" if regions else "list",
-        "blackboard": {
-            "items": {"type": "list", "initial": list(range(items))},
-            "item": {"type": "integer"}, "n": {"type": "integer", "initial": 0},
-        },
-        "states": {**({"whole": whole} if regions else {"list": lists}), "over": {"final": "aborted"}},
-    }), CompiledTrees())  # fmt: skip
+    chart = Chart(
+        Mission.model_validate(
+            {
+                "name": "lists",
+                "initial": "whole" if regions else "list",
+                "blackboard": {
+                    "items": {"type": "list", "initial": list(range(items))},
+                    "item": {"type": "integer"},
+                    "n": {"type": "integer", "initial": 0},
+                },
+                "states": {**({"whole": whole} if regions else {"list": lists}), "over": {"final": "aborted"}},
+            }
+        ),
+        CompiledTrees(),
+    )
     chart.start(0.0)
     return chart
 

@@ -79,10 +79,13 @@ def test_a_round_that_a_transition_leaves_is_not_begun_again() -> None:
 
 
 def test_an_item_that_does_not_fit_ends_its_each_whatever_was_raised_before() -> None:
-    made = Chart(mission(
-        {"day": {"entry": [{"raise": "began"}], "initial": "tour", "states": {"tour": EACH}}, "no": {}},
-        blackboard={"stops": {"type": "list", "initial": [1]}, "stop": {"type": "string"}}, events=["began"],
-    ))  # fmt: skip
+    made = Chart(
+        mission(
+            {"day": {"entry": [{"raise": "began"}], "initial": "tour", "states": {"tour": EACH}}, "no": {}},
+            blackboard={"stops": {"type": "list", "initial": [1]}, "stop": {"type": "string"}},
+            events=["began"],
+        )
+    )
     assert made.start(0.0).entered == ("day", "tour", "no")
 
 

@@ -44,17 +44,21 @@ def mission(regions: list[Region], settle_s: float) -> Mission:
         return {"parallel": {f"i{number}": inner}} if region.nested else inner
 
     ends = ("succeeded", "unverified")
-    return Mission.model_validate({
-        "name": "regions", "initial": "p", "settle_s": settle_s,
-        "blackboard": {f"k{number}": {"type": "boolean", "initial": False} for number, _ in enumerate(regions)},
-        "states": {
-            "p": {
-                "parallel": {f"r{number}": written(number, each) for number, each in enumerate(regions)},
-                "transitions": [{"on": end, "to": f"was_{end}"} for end in ends],
+    return Mission.model_validate(
+        {
+            "name": "regions",
+            "initial": "p",
+            "settle_s": settle_s,
+            "blackboard": {f"k{number}": {"type": "boolean", "initial": False} for number, _ in enumerate(regions)},
+            "states": {
+                "p": {
+                    "parallel": {f"r{number}": written(number, each) for number, each in enumerate(regions)},
+                    "transitions": [{"on": end, "to": f"was_{end}"} for end in ends],
+                },
+                **{f"was_{end}": {} for end in ends},
             },
-            **{f"was_{end}": {} for end in ends},
-        },
-    })  # fmt: skip
+        }
+    )
 
 
 REGIONS = st.builds(
@@ -101,11 +105,15 @@ def test_a_region_that_goes_over_a_list_ends_with_its_last_item(
         f"r{number}": {"parallel": {f"n{number}": written(number, items)}} if nested else written(number, items)
         for number, (items, nested) in enumerate(regions)
     }
-    made = Mission.model_validate({
-        "name": "lists", "initial": "p", "events": ["go"],
-        "blackboard": lists | {f"i{number}": {"type": "integer"} for number, _ in enumerate(regions)},
-        "states": {"p": {"parallel": parallel, "transitions": [{"on": "succeeded", "to": "over"}]}, "over": {}},
-    })  # fmt: skip
+    made = Mission.model_validate(
+        {
+            "name": "lists",
+            "initial": "p",
+            "events": ["go"],
+            "blackboard": lists | {f"i{number}": {"type": "integer"} for number, _ in enumerate(regions)},
+            "states": {"p": {"parallel": parallel, "transitions": [{"on": "succeeded", "to": "over"}]}, "over": {}},
+        }
+    )
     chart = Chart(made)
     ended = ["over" in chart.start(0.0).entered]
     while not ended[-1] and len(ended) < 6:

@@ -58,8 +58,11 @@ def written(kind: type[Any]) -> tuple[ast.AST, ...]:
 
 def used(kind: type[Any]) -> frozenset[str]:
     """The attributes of `self` that a class uses."""
-    return frozenset(node.attr for node in written(kind) if isinstance(node, ast.Attribute)
-                     and isinstance(node.value, ast.Name) and node.value.id == "self")  # fmt: skip
+    return frozenset(
+        node.attr
+        for node in written(kind)
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "self"
+    )
 
 
 def borrowed(kind: type[Any], bases: list[type[Any]]) -> list[str]:

@@ -93,10 +93,14 @@ def test_an_inner_end_that_nothing_confirms_is_unverified_at_once_where_no_time_
 
 
 def test_an_end_that_waits_for_the_facts_has_its_deadline_though_the_operator_takes_control() -> None:
-    made = chart({
-        "work": {"control": "autonomy", "transitions": [transition("e", "end")]},
-        "end": {"final": "succeeded", "control": "autonomy", "requires": OK},
-    }, settle_s=2, blackboard=KEYS)  # fmt: skip
+    made = chart(
+        {
+            "work": {"control": "autonomy", "transitions": [transition("e", "end")]},
+            "end": {"final": "succeeded", "control": "autonomy", "requires": OK},
+        },
+        settle_s=2,
+        blackboard=KEYS,
+    )
     assert sent(made, "e", at=1.0).wake_at == 3.0
     made.send(Event("operator", 1.5, {"by": "operator", "role": "operator"}, "control"))
     assert made.wake_at == 3.0

@@ -40,9 +40,7 @@ def _made(at: float) -> st.SearchStrategy[float]:
 
 
 def _command(at: float) -> st.SearchStrategy[ActuatorCommand]:
-    return st.builds(
-        ActuatorCommand, st.just(at), WHO, st.sampled_from(["/cmd_vel", "/arm"]), st.just({}), _made(at)
-    )  # fmt: skip
+    return st.builds(ActuatorCommand, st.just(at), WHO, st.sampled_from(["/cmd_vel", "/arm"]), st.just({}), _made(at))
 
 
 def _one(at: float) -> st.SearchStrategy[GateEvent]:

@@ -42,9 +42,13 @@ class Shared:
     """A run, and the gate before what it commands."""
 
     def __init__(
-        self, moments: Mapping[float, Callable[[Shared], object]], *, gate: bool = True, profile: Robot | None = None,
+        self,
+        moments: Mapping[float, Callable[[Shared], object]],
+        *,
+        gate: bool = True,
+        profile: Robot | None = None,
         **words: Any,
-    ) -> None:  # fmt: skip
+    ) -> None:
         stage = ScriptedWorld({at: lambda do=do: do(self) for at, do in moments.items()})  # type: ignore[misc]
         clock = SimulatedClock(stage)
         connector = LocalConnector(now=clock.now)

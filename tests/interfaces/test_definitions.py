@@ -200,6 +200,9 @@ def test_colcon_at_the_root_finds_no_part_of_anothers_package() -> None:
         pytest.skip("no colcon here: pip install colcon-core colcon-ros colcon-recursive-crawl")
     listed = subprocess.run(
         [colcon, "--log-base", "/dev/null", "list", "--names-only", "--base-paths", str(INTERFACES.parent)],
-        capture_output=True, text=True, check=True, timeout=60,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+    )
     assert {name for name in listed.stdout.split() if name.endswith("_msgs")} == {"rai_missions_msgs"}

@@ -35,8 +35,11 @@ def writer(path: Path, limit_bytes: int | None = None) -> subprocess.Popen[str]:
 
     return subprocess.Popen(
         [sys.executable, "-c", WRITER, str(path)],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=limited,  # noqa: PLW1509 - there are no threads here
-    )  # fmt: skip
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=limited,  # noqa: PLW1509 - there are no threads here
+    )
 
 
 def wait_for_rows(process: subprocess.Popen[str], last: int) -> None:

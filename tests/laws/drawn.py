@@ -263,19 +263,28 @@ class _Draft:
         rng, child = self.rng, self.node(depth - 1)
         waits: Json = {"sequence": [{"wait_s": rng.choice(SPANS)}, child]}
         asked = self.asked()
-        return rng.choice([
-            {"repeat": 2, "child": child}, {"repeat": -1, "child": waits},
-            {rng.choice(["success_is_running", "failure_is_running"]): rng.choice([child, waits])},
-            {rng.choice(["running_is_failure", "success_is_failure", "failure_is_success"]): child},
-            {"condition": rng.choice(["success", "failure"]), "child": child},
-            {"one_shot": child, "policy": rng.choice(["on_completion", "on_successful_completion"])},
-            {"status_to_blackboard": "item", "child": child},
-            {"parallel": [child, self.node(depth - 1)], "policy": rng.choice(["success_on_one", [0], [1]]),
-             "synchronise": self.some(0.5)},
-            {"selector": [child, self.node(depth - 1)], "memory": True},
-            {"set": rng.choice(["m", "n"]), "from": rng.choice(["count", "fact", "n", "m"])},
-            {"decision": asked, "then": {name: self.node(depth - 1) for name in asked["options"] if self.some(0.7)}},
-        ])  # fmt: skip
+        return rng.choice(
+            [
+                {"repeat": 2, "child": child},
+                {"repeat": -1, "child": waits},
+                {rng.choice(["success_is_running", "failure_is_running"]): rng.choice([child, waits])},
+                {rng.choice(["running_is_failure", "success_is_failure", "failure_is_success"]): child},
+                {"condition": rng.choice(["success", "failure"]), "child": child},
+                {"one_shot": child, "policy": rng.choice(["on_completion", "on_successful_completion"])},
+                {"status_to_blackboard": "item", "child": child},
+                {
+                    "parallel": [child, self.node(depth - 1)],
+                    "policy": rng.choice(["success_on_one", [0], [1]]),
+                    "synchronise": self.some(0.5),
+                },
+                {"selector": [child, self.node(depth - 1)], "memory": True},
+                {"set": rng.choice(["m", "n"]), "from": rng.choice(["count", "fact", "n", "m"])},
+                {
+                    "decision": asked,
+                    "then": {name: self.node(depth - 1) for name in asked["options"] if self.some(0.7)},
+                },
+            ]
+        )
 
     def leaf(self, word: str) -> Json:
         if word == "check":
@@ -447,9 +456,15 @@ def happenings(rng: random.Random, *, commands: bool = True, wishes: bool = Fals
     for _ in range(rng.randint(1, 14)):
         at += rng.choice([0.0, 0.25, 0.5, 1.0, 1.25, 2.0, 4.0])
         kind = rng.choice(
-            ["event"] * 4 + ["write"] * 8 + ["accepted"] * 2 + ["result"] * 3 + ["proposal"] * 2
-            + ["control", "doubt"] + (["command", "command"] if commands else []) + ["write"] * 40 * mostly_facts
-        )  # fmt: skip
+            ["event"] * 4
+            + ["write"] * 8
+            + ["accepted"] * 2
+            + ["result"] * 3
+            + ["proposal"] * 2
+            + ["control", "doubt"]
+            + (["command", "command"] if commands else [])
+            + ["write"] * 40 * mostly_facts
+        )
         words: tuple[Any, ...] = (rng.randint(0, 1),)
         if kind == "event":
             words = (rng.choice(EVENTS), rng.randint(0, 2))

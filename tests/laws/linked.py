@@ -25,8 +25,11 @@ def link(rng: random.Random, states: Json) -> None:
     """
     every = list(_walk(states, {}))
     names = [name for name, _, _ in every]
-    several = [[[region, *_within(state)] for region, state in each["parallel"].items()]
-               for _, each, _ in every if "parallel" in each]  # fmt: skip
+    several = [
+        [[region, *_within(state)] for region, state in each["parallel"].items()]
+        for _, each, _ in every
+        if "parallel" in each
+    ]
     for name, state, parent in every:
         if "history" in state:
             _default(rng, name, state, parent)
@@ -35,8 +38,10 @@ def link(rng: random.Random, states: Json) -> None:
             _lead(rng, state, transition, several)
             _read(rng, transition)
         if transitions := state.get("transitions"):
-            for trigger in ({"on": rng.choice(ENDS), "of": _reporter(rng, every, name)},
-                            {"on": rng.choice(BUILT_IN_EVENTS)}):  # fmt: skip
+            for trigger in (
+                {"on": rng.choice(ENDS), "of": _reporter(rng, every, name)},
+                {"on": rng.choice(BUILT_IN_EVENTS)},
+            ):
                 if rng.random() < 0.15:
                     leads = {"to": rng.choice(names)} if rng.random() < 0.6 else {"do": [COUNT]}
                     transitions.insert(rng.randint(0, len(transitions)), {**trigger, **leads})

@@ -70,14 +70,17 @@ def profile(rng: random.Random, mission: Mission, suffix: str = "") -> Robot:
         return {"action": f"/{name}", "type": "x/action/X", "keep": name in facts.keep, **uses}
 
     read_from = {"topic": "/fact", "type": "std_msgs/msg/String", "json": True}
-    return Robot.model_validate({
-        "name": "drawn", "actions": {name: action(name) for name in ("drive", "turn", "composed")},
-        "blackboard": {name: read_from for name, key in mission.blackboard.items() if key.source == "robot"},
-        "services": {"horn": {"service": "/horn", "type": TRIGGER}},
-        "topics": {"lamp": {"topic": "/lamp", "type": "std_msgs/msg/String"}},
-        "events": {name: {"posted": True} for name in mission.events},
-        "control": {who: f"/to_{who}" for who in ("agent", "autonomy", "operator", "nobody")},
-    })  # fmt: skip
+    return Robot.model_validate(
+        {
+            "name": "drawn",
+            "actions": {name: action(name) for name in ("drive", "turn", "composed")},
+            "blackboard": {name: read_from for name, key in mission.blackboard.items() if key.source == "robot"},
+            "services": {"horn": {"service": "/horn", "type": TRIGGER}},
+            "topics": {"lamp": {"topic": "/lamp", "type": "std_msgs/msg/String"}},
+            "events": {name: {"posted": True} for name in mission.events},
+            "control": {who: f"/to_{who}" for who in ("agent", "autonomy", "operator", "nobody")},
+        }
+    )
 
 
 def drawn(rng: random.Random, folder: Path, made: Json, *, is_included: bool) -> tuple[Mission, frozenset[str]]:

@@ -107,8 +107,9 @@ def known(chart: Chart, there: dict[str, str]) -> Any:
     snapshot = chart.snapshot()
     timers = sorted(  # one of an event without an id is called by a number
         (timer.due, timer.name, place if isinstance(key[1], str) else "")
-        for key, timer in snapshot["_timers"].items() if (place := named(key)) is not None
-    )  # fmt: skip
+        for key, timer in snapshot["_timers"].items()
+        if (place := named(key)) is not None
+    )
     held = {named(key): since for key, since in snapshot["held"].items()}
     board = {key: value for key, value in snapshot["board"].items() if key != "extra"}
     held.pop(None, None)

@@ -103,8 +103,11 @@ HELD = (mission_documents(), stops(), st.sampled_from(["operator", "nobody"]))
 
 def holds_like_a_pause(document: Json, script: Script, holder: str) -> None:
     document = under("agent", document)
-    held = Play(document, Event(holder, data={"by": "operator", "role": "operator"}, kind="control"),
-                Event("agent", data={"by": "operator", "role": "operator"}, kind="control"))  # fmt: skip
+    held = Play(
+        document,
+        Event(holder, data={"by": "operator", "role": "operator"}, kind="control"),
+        Event("agent", data={"by": "operator", "role": "operator"}, kind="control"),
+    )
     paused = Play(document, Event("pause", kind="command"), Event("resume", kind="command"))
     for each in (held, paused):
         each.play(script)

@@ -35,9 +35,14 @@ def including(rng: random.Random) -> Json:
     mapped = {name: {"from": name} for name in keys} | {name: name for name in events}
     part = {"mission": "inner.json", "with": mapped, "transitions": [{"on": "succeeded", "to": "over"}]}
     return {
-        "name": "outer", "blackboard": {name: KEYS[name] for name in keys}, "events": events, "initial": "part",
-        "states": {"part": part, "over": {"final": "succeeded"}}, "settle_s": rng.choice([0.0, 1.0]), "cancel_s": 2.0,
-    }  # fmt: skip
+        "name": "outer",
+        "blackboard": {name: KEYS[name] for name in keys},
+        "events": events,
+        "initial": "part",
+        "states": {"part": part, "over": {"final": "succeeded"}},
+        "settle_s": rng.choice([0.0, 1.0]),
+        "cancel_s": 2.0,
+    }
 
 
 def seen(step: Step) -> tuple[object, ...]:

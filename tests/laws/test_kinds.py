@@ -160,9 +160,13 @@ def test_a_new_state_kind_of_the_format_is_two_files(tmp_path: Path) -> None:
     package.unlink()
     copied(ROOTS[0], package, {"states/rest.py": MODEL, "engine/activities/rest.py": MACHINE})
     done = subprocess.run(
-        [sys.executable, "-c", USE], cwd=tmp_path, env={"PYTHONPATH": str(tmp_path), "PYTHONDONTWRITEBYTECODE": "1"},
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        [sys.executable, "-c", USE],
+        cwd=tmp_path,
+        env={"PYTHONPATH": str(tmp_path), "PYTHONDONTWRITEBYTECODE": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
     assert any("'rest' changed" in each for each in found.pop("difference"))

@@ -44,10 +44,15 @@ def mission(outcome: str, leads: str, handlers: frozenset[str], *, is_left: bool
     around["transitions"] = [{"on": OUTCOMES, "to": "by_around"}] if "around" in handlers else []
     top = [{"on": OUTCOMES, "to": "by_mission"}] if "mission" in handlers else []
     top += [{"on": OUTCOMES, "of": "work", "to": "by_name"}] if "name" in handlers else []
-    return Mission.model_validate({
-        "name": "left", "initial": "around", "blackboard": {"gone": {"type": "boolean", "initial": False}},
-        "states": {"around": around, "aside": {}, **{f"by_{each}": {} for each in HANDLERS}}, "transitions": top,
-    })  # fmt: skip
+    return Mission.model_validate(
+        {
+            "name": "left",
+            "initial": "around",
+            "blackboard": {"gone": {"type": "boolean", "initial": False}},
+            "states": {"around": around, "aside": {}, **{f"by_{each}": {} for each in HANDLERS}},
+            "transitions": top,
+        }
+    )
 
 
 @given(

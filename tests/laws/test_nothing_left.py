@@ -205,8 +205,11 @@ counting = st.builds(
         [tree_region(1, {"selector": [counted(number), rest], "memory": False}, {"on": "poke"}, [])],
         [transition_region(2, [({"key": "n0", ">": asked}, do)])],
     ),
-    st.integers(1, 6), st.integers(0, 5), st.sampled_from([{"wait_s": 1.5}, {"call": "horn"}]), effects,
-)  # fmt: skip
+    st.integers(1, 6),
+    st.integers(0, 5),
+    st.sampled_from([{"wait_s": 1.5}, {"call": "horn"}]),
+    effects,
+)
 """A transition waits for what a tree counts."""
 
 

@@ -131,12 +131,18 @@ def looking_agree(seed: int) -> None:
     keys = {key: {"type": "boolean", "source": "robot", "optional": True} for key in ("f", "g")}
     keys |= {"old": {**keys["f"], "max_age_s": 1.0}, "n": {"type": "integer", "initial": 0}}
     regions = {
-        name: {"initial": name * 2, "states": {
-            name * 2: {"tree": {"selector": [looking_tree(rng), {"action": "rest"}], "memory": False},
-                       "transitions": [{"on": ["succeeded", "failed"], "to": name * 3}]},
-            name * 3: {"transitions": [{"after_s": 0.75, "to": name * 2}]},
-        }} for name in "ab"[: rng.randint(1, 2)]
-    }  # fmt: skip
+        name: {
+            "initial": name * 2,
+            "states": {
+                name * 2: {
+                    "tree": {"selector": [looking_tree(rng), {"action": "rest"}], "memory": False},
+                    "transitions": [{"on": ["succeeded", "failed"], "to": name * 3}],
+                },
+                name * 3: {"transitions": [{"after_s": 0.75, "to": name * 2}]},
+            },
+        }
+        for name in "ab"[: rng.randint(1, 2)]
+    }
     mission = Mission.model_validate(
         {"name": "m", "initial": "p", "states": {"p": {"parallel": regions}}, "blackboard": keys}
     )

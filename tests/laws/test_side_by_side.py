@@ -169,10 +169,15 @@ class Lives:
             connector: Any = Mortal(self._way(), fate)
             thinkers = {who: Thinker(self.land.turns, f"{self.name} {who}") for who in ("agent", "rules")}
             self.runner = runner = Runner(
-                self.mission, robot=self.robot, connector=connector, clock=MortalClock(clock, fate),
-                journal=Mortal(journal, fate), answerers={who: Mortal(each, fate) for who, each in thinkers.items()},
-                begin=begin, observer=RunObserver(self._step),
-            )  # fmt: skip
+                self.mission,
+                robot=self.robot,
+                connector=connector,
+                clock=MortalClock(clock, fate),
+                journal=Mortal(journal, fate),
+                answerers={who: Mortal(each, fate) for who, each in thinkers.items()},
+                begin=begin,
+                observer=RunObserver(self._step),
+            )
             return lambda: self.results.append(runner.run())
 
         self.seat = self.land.turns.begin(make)

@@ -115,10 +115,15 @@ class Held:
 
         def make(clock: Clock) -> Callable[[], object]:
             self.runner = Runner(
-                mission, robot=self.robot, connector=land.connector, clock=clock, journal=journal,
+                mission,
+                robot=self.robot,
+                connector=land.connector,
+                clock=clock,
+                journal=journal,
                 answerers={"operator": HeldOpen(), "rules": Thinker(turns, "rules"), "agent": Thinker(turns, "agent")},
-                begin=NewRun(named=NAMED, run="held"), observer=RunObserver(self._step, self._changed),
-            )  # fmt: skip
+                begin=NewRun(named=NAMED, run="held"),
+                observer=RunObserver(self._step, self._changed),
+            )
             return self.runner.run
 
         turns.begin(make)

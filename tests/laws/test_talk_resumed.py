@@ -62,10 +62,15 @@ class Resumed:
 
         def make(clock: Clock) -> Callable[[], object]:
             self.runner = Runner(
-                mission, robot=robot, connector=land.connector, clock=clock, journal=journal,
+                mission,
+                robot=robot,
+                connector=land.connector,
+                clock=clock,
+                journal=journal,
                 answerers={"operator": HeldOpen(), "rules": Thinker(turns, "rules"), "agent": Thinker(turns, "agent")},
-                begin=resumed, observer=RunObserver(self._step, self._changed),
-            )  # fmt: skip
+                begin=resumed,
+                observer=RunObserver(self._step, self._changed),
+            )
             return self.runner.run
 
         turns.begin(make)

@@ -45,13 +45,14 @@ def mission_of(door: str, type_name: str, amount: float) -> Mission:
         "later": {"transitions": [{"on": "e", "do": [{**passed_on, "after_s": 1}]}]},
         "add": {"transitions": [{"on": "e", "do": [{"set": "k", "add": amount}]}]},
         "robot": {"transitions": [{"on": "e", "do": [{"set": "k", "from": "r.v"}]}]},
-        "result": {"action": "go", "result": {"k": "v"}}, "call": {"call": "ask", "result": {"k": "v"}},
+        "result": {"action": "go", "result": {"k": "v"}},
+        "call": {"call": "ask", "result": {"k": "v"}},
         "leaf": {"tree": {"sequence": [{"call": "ask", "result": {"k": "v"}}, {"wait_s": 1}]}},
         "answer": {"decision": {"question": "?", "options": options, "ask": ["x"], "attempts": 9, "fallback": "stay"}},
         "each": {"each": "l", "as": "k", "initial": "b", "states": {"b": {}}},
         "tree": {"tree": {"sequence": [{"set": "k", "from": "r.v"}, {"wait_s": 1}]}},
         "tree_add": {"tree": {"sequence": [{"set": "k", "add": amount}, {"wait_s": 1}]}},
-    }[door]  # fmt: skip
+    }[door]
     a = {**a, "transitions": [*a.get("transitions", []), {"on": "f", "do": [take]}]}
     waits = door in ("each", "tree", "tree_add")
     states = {"w": {"transitions": [{"on": "e", "to": "a"}]}, "a": a} if waits else {"a": a}

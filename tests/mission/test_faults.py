@@ -239,9 +239,18 @@ def bent_documents(draw: st.DrawFn) -> Any:
         place = place[draw(st.sampled_from(inner))]
     step = draw(st.sampled_from(list(place) if isinstance(place, dict) else list(range(len(place)))))
     junk: st.SearchStrategy[Any] = st.one_of(
-        st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=5), st.just([]), st.just({}),
-        st.just({"": 1}), st.just([[]]), st.just({"self": {}, "cls": 1}), st.sampled_from(list(document["states"])),
-    )  # fmt: skip
+        st.none(),
+        st.booleans(),
+        st.integers(),
+        st.floats(),
+        st.text(max_size=5),
+        st.just([]),
+        st.just({}),
+        st.just({"": 1}),
+        st.just([[]]),
+        st.just({"self": {}, "cls": 1}),
+        st.sampled_from(list(document["states"])),
+    )
     if isinstance(place, dict) and draw(st.booleans()):
         place[draw(st.text(max_size=4))] = draw(junk)
     else:

@@ -62,8 +62,10 @@ def test_names_that_are_modules_too_are_what_the_front_door_reports(first: str) 
 
 def test_options_without_parameters_load_nothing_that_judges_by_schemas() -> None:
     words = ["check", "missions/tractor/mission.json", "--robot", "missions/tractor/robot.sim.json"]
-    modules, _ = after(f"import contextlib, io\nfrom rai_missions.cli.main import main\n"
-                       f"with contextlib.redirect_stdout(io.StringIO()): assert main({words!r}) == 0")  # fmt: skip
+    modules, _ = after(
+        f"import contextlib, io\nfrom rai_missions.cli.main import main\n"
+        f"with contextlib.redirect_stdout(io.StringIO()): assert main({words!r}) == 0"
+    )
     assert "rai_missions.profile.coverage" in modules
     assert "jsonschema" not in modules
 

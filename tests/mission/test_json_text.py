@@ -15,10 +15,13 @@ from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.mission.json_reader import MAX_BYTES, MAX_DEPTH, file_bytes, parse_json, too_deep
 
 JSON = st.recursive(
-    st.none() | st.booleans() | st.integers(-(2**63), 2**63 - 1) | st.floats(allow_nan=False, allow_infinity=False)
+    st.none()
+    | st.booleans()
+    | st.integers(-(2**63), 2**63 - 1)
+    | st.floats(allow_nan=False, allow_infinity=False)
     | st.text(st.characters(codec="utf-8")),
     lambda inner: st.lists(inner) | st.dictionaries(st.text(st.characters(codec="utf-8")), inner),
-)  # fmt: skip
+)
 
 
 def refusals(raw: bytes) -> list[str]:

@@ -182,9 +182,13 @@ def changed(draw: st.DrawFn) -> Any:
         parent = functools.reduce(lambda inside, step: inside[step], above, document)
         was, word = parent[last], draw(st.sampled_from(WORDS))
         values = [
-            *VALUES, [was], {word: was}, str(was), float(was) if isinstance(was, int) else was,
+            *VALUES,
+            [was],
+            {word: was},
+            str(was),
+            float(was) if isinstance(was, int) else was,
             functools.reduce(lambda inside, step: inside[step], draw(st.sampled_from(places(document))), document),
-        ]  # fmt: skip
+        ]
         how = draw(st.sampled_from(["drop", "rename", "add", "value", "value", "value"]))
         if how in ("drop", "rename"):
             del parent[last]

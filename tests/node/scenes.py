@@ -55,18 +55,21 @@ def robot(connector: Mapping[str, Any], below: str = "/robot") -> Robot:
     """Three services' worth of a robot."""
     return Robot.model_validate(
         {
-            "name": "fake", "connector": dict(connector),
+            "name": "fake",
+            "connector": dict(connector),
             "blackboard": {"there": {"topic": f"{below}/there", "type": "std_msgs/msg/Bool"}},
             "events": {name: {"posted": True} for name in ("go", "ask", "guess")}
             | {"unlisted": {"topic": f"{below}/unlisted", "type": "std_msgs/msg/Empty"}},
             "actions": {
                 "move": {
-                    "start": f"{below}/move", "cancel": f"{below}/halt", "succeeded": {"key": "there", "==": True},
+                    "start": f"{below}/move",
+                    "cancel": f"{below}/halt",
+                    "succeeded": {"key": "there", "==": True},
                     "uses": ["base"],
                 }
             },
         }
-    )  # fmt: skip
+    )
 
 
 class FakeRobot:

@@ -21,9 +21,12 @@ GUARDS: dict[str, Any] = {
     "either": {"any": [{"key": "n", ">": 5}, {"not": {"fresh": "n"}}]},
 }
 ASKED = {
-    "question": "Which?", "ask": ["operator"], "deadline_s": 600, "fallback": "out",
+    "question": "Which?",
+    "ask": ["operator"],
+    "deadline_s": 600,
+    "fallback": "out",
     "options": {**{name: {"when": guard} for name, guard in GUARDS.items()}, "free": {}, "out": {}},
-}  # fmt: skip
+}
 ROWS = [{"on": name, "to": "over"} for name in (*GUARDS, "free", "out")]
 
 

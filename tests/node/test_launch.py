@@ -98,9 +98,11 @@ def test_what_ros_has_no_type_for_goes_as_json_and_a_file_comes_first(described:
     assert file == "given.yaml" and (values["n"], values["lit"]) == (3, True)
     texts = {name: value.given for name, value in values.items() if isinstance(value, LaunchPart)}
     assert texts == {
-        "target": {"value": '{"x": 1.0}', "value_type": str}, "points": {"value": '[{"x": 2.0}]', "value_type": str},
-        "word": {"value": "3", "value_type": str}, "none": {"value": "null", "value_type": str},
-    }, "a bare text would be read as YAML"  # fmt: skip
+        "target": {"value": '{"x": 1.0}', "value_type": str},
+        "points": {"value": '[{"x": 2.0}]', "value_type": str},
+        "word": {"value": "3", "value_type": str},
+        "none": {"value": "null", "value_type": str},
+    }, "a bare text would be read as YAML"
     assert node.given["arguments"] == ["run", "m.json", "--node"]
     assert started(described, mission="m.json").given["parameters"] == []
 

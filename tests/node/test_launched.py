@@ -20,8 +20,11 @@ MISSION = Mission.model_validate({
 def test_fields_and_json_texts_are_put_together() -> None:
     given = {"n": 2, "word": "3", "target.x": 1.0, "target.y": 2.0, "points": '[{"x": 1}]'}
     assert arguments_of(given, MISSION, {}) == {
-        "n": 2, "word": "3", "target": {"x": 1.0, "y": 2.0}, "points": [{"x": 1}],
-    }  # fmt: skip
+        "n": 2,
+        "word": "3",
+        "target": {"x": 1.0, "y": 2.0},
+        "points": [{"x": 1}],
+    }
 
 
 @pytest.mark.parametrize(

@@ -214,8 +214,10 @@ def test_an_error_that_no_one_foresaw_goes_through_errorprocessing(
     assert not scene.client.change("configure")
     ways = scene.client.moves.wait(lambda all_: len(all_) == 3, "every move is reported")
     assert ways == [
-        ("configure", "configuring"), ("transition_error", "errorprocessing"), ("transition_success", "unconfigured"),
-    ]  # fmt: skip
+        ("configure", "configuring"),
+        ("transition_error", "errorprocessing"),
+        ("transition_success", "unconfigured"),
+    ]
     assert (
         scene.client.await_status("why", lifecycle="unconfigured")["fault"]
         == "configure: ZeroDivisionError: division by zero"

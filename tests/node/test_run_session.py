@@ -100,11 +100,13 @@ def test_anyone_who_cannot_be_reported_what_became_of_an_order_ends_no_run() -> 
         asked.append(reply)
         raise ConnectorError("the broker is gone")
 
-    rig.stage.play({
-        1.0: lambda: course.submit(Command("control", role="operator", to="operator"), gone),
-        2.0: rig.runner.kill,
-        2.1: lambda: course.submit(Command("pause"), gone),
-    })  # fmt: skip
+    rig.stage.play(
+        {
+            1.0: lambda: course.submit(Command("control", role="operator", to="operator"), gone),
+            2.0: rig.runner.kill,
+            2.1: lambda: course.submit(Command("pause"), gone),
+        }
+    )
     assert course.run().outcome == "aborted"
     assert asked[0].success
 

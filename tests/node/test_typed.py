@@ -176,9 +176,18 @@ def test_a_status_has_the_fields_of_its_definition_and_the_guide_names_its_words
     question = Question(1, "assessing", "operator", "what now?", (Offer("left"),))
     goal = OpenGoal(1, "move", "moving", "orphaned")
     status = StatusMessage(
-        1, "/errand", "a", "active", "errand", "1", "r", "running", "agent", questions=(OpenQuestion(question, 1.0),),
+        1,
+        "/errand",
+        "a",
+        "active",
+        "errand",
+        "1",
+        "r",
+        "running",
+        "agent",
+        questions=(OpenQuestion(question, 1.0),),
         open_goals=(goal,),
-    )  # fmt: skip
+    )
     fields, data = status.fields(), status.data()
     assert fields.keys() == fields_of("MissionStatus")
     assert fields["questions"][0].keys() == fields_of("Question")

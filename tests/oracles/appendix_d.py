@@ -20,9 +20,13 @@ __all__ = ("Endless", "Interpreter")
 MOST_MICROSTEPS = 300
 WORST_FIRST = ("failed", "aborted", "canceled", "succeeded")
 ORDER: dict[str, Callable[[Any, Any], bool]] = {
-    "==": lambda one, other: one == other, "!=": lambda one, other: one != other, "<": lambda one, other: one < other,
-    "<=": lambda one, other: one <= other, ">": lambda one, other: one > other, ">=": lambda one, other: one >= other,
-}  # fmt: skip
+    "==": lambda one, other: one == other,
+    "!=": lambda one, other: one != other,
+    "<": lambda one, other: one < other,
+    "<=": lambda one, other: one <= other,
+    ">": lambda one, other: one > other,
+    ">=": lambda one, other: one >= other,
+}
 
 
 class Endless(Exception):
@@ -126,9 +130,15 @@ class Interpreter:
 
     def _transition(self, source: Element, written: dict[str, Any], place: str) -> Transition:
         return Transition(
-            source, many(written.get("on")), written.get("when"), many(written.get("to")),
-            bool(written.get("internal")), written.get("do", []), written.get("after_s"), place,
-        )  # fmt: skip
+            source,
+            many(written.get("on")),
+            written.get("when"),
+            many(written.get("to")),
+            bool(written.get("internal")),
+            written.get("do", []),
+            written.get("after_s"),
+            place,
+        )
 
     # -- what drives it -------------------------------------------------------------------------------------------
 

@@ -256,10 +256,12 @@ def charts(draw: st.DrawFn, taste: Taste | None = None) -> Json:
         states.update([draft.leaf("", "final", draft.ending())])
     draft.connect()
     document: Json = {
-        "name": "generated", "initial": draft.initial("", {}), "states": states,
+        "name": "generated",
+        "initial": draft.initial("", {}),
+        "states": states,
         "events": {name: {} for name in (*EVENTS, *INNER)},
         "blackboard": {key: {"type": "integer", "initial": 0} for key in KEYS},
-    }  # fmt: skip
+    }
     if taste.root_transitions and draw(st.booleans()):
         document["transitions"] = [draft.transition("", index) for index in range(draw(st.integers(1, 2)))]
     return document

@@ -45,8 +45,9 @@ def arrangement(rng: random.Random, names: list[str], *, containers: bool = True
             x, y = cells.pop()
             # what is long lies across the robot's view
             turned = 1.57 if kind_of(name) in ("carrot", "corn") else 0.0
-            made = thing(name, x + rng.uniform(-0.01, 0.01), y + rng.uniform(-0.01, 0.01),
-                         yaw=turned + rng.uniform(-0.1, 0.1))  # fmt: skip
+            made = thing(
+                name, x + rng.uniform(-0.01, 0.01), y + rng.uniform(-0.01, 0.01), yaw=turned + rng.uniform(-0.1, 0.1)
+            )
         if kind_of(name) == "cube" and made.top < 5.5 * 0.044:
             tops[name] = made
         found.append(made)
@@ -65,8 +66,16 @@ def target_goal(rng: random.Random, target: Scene) -> Goal:
     for each in target.things:
         if each.type in ("tray", "bin"):
             continue
-        lower = next((other for other in target.things if other.type == "cube" and abs(other.top - each.bottom) < 0.001
-                      and abs(other.x - each.x) + abs(other.y - each.y) < 0.001), None)  # fmt: skip
+        lower = next(
+            (
+                other
+                for other in target.things
+                if other.type == "cube"
+                and abs(other.top - each.bottom) < 0.001
+                and abs(other.x - each.x) + abs(other.y - each.y) < 0.001
+            ),
+            None,
+        )
         if lower is not None:
             found.append({"on": [each.name, lower.name]})
         elif abs(each.bottom - 0.005) < 0.001:
@@ -126,5 +135,7 @@ def any_goal(rng: random.Random, names: list[str]) -> Goal:
             found.append({kind: rng.sample(names[:-2], min(len(names) - 2, rng.randint(2, 4)))})
         else:
             found.append({kind: pair})
-    return goal_from([each for each in found if len(set(map(str, next(iter(each.values()))))) > 1 or "at" in each
-                      ] or [{"on": [names[0], "desk"]}])  # fmt: skip
+    return goal_from(
+        [each for each in found if len(set(map(str, next(iter(each.values()))))) > 1 or "at" in each]
+        or [{"on": [names[0], "desk"]}]
+    )

@@ -26,11 +26,15 @@ def corners(thing: Thing, grown: float = 0.0) -> Corners:
     """The outline from above; of a ball sixteen points on it."""
     if thing.type in ("apple", "tomato"):
         radius = thing.size[0] / 2 + grown
-        return [(thing.x + radius * math.cos(k * math.pi / 8), thing.y + radius * math.sin(k * math.pi / 8))
-                for k in range(16)]  # fmt: skip
+        return [
+            (thing.x + radius * math.cos(k * math.pi / 8), thing.y + radius * math.sin(k * math.pi / 8))
+            for k in range(16)
+        ]
     cos, sin = math.cos(thing.yaw), math.sin(thing.yaw)
-    half = [(sx * (thing.size[0] / 2 + grown), sy * (thing.size[1] / 2 + grown))
-            for sx, sy in ((1, 1), (-1, 1), (-1, -1), (1, -1))]  # fmt: skip
+    half = [
+        (sx * (thing.size[0] / 2 + grown), sy * (thing.size[1] / 2 + grown))
+        for sx, sy in ((1, 1), (-1, 1), (-1, -1), (1, -1))
+    ]
     return [(thing.x + u * cos - v * sin, thing.y + u * sin + v * cos) for u, v in half]
 
 
@@ -65,10 +69,13 @@ class World:
         """What rests on a thing."""
         lower = self.things[name]
         return [
-            each.name for each in self.things.values()
-            if each.name != name and abs(each.bottom - lower.top) < 0.01 and inside((each.x, each.y), lower)
+            each.name
+            for each in self.things.values()
+            if each.name != name
+            and abs(each.bottom - lower.top) < 0.01
+            and inside((each.x, each.y), lower)
             and lower.type not in ("tray", "bin")
-        ]  # fmt: skip
+        ]
 
     def below(self, thing: Thing) -> set[str]:
         """All that is under a thing, down to the desk."""

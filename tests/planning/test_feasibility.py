@@ -16,12 +16,25 @@ from tests.planning.drawn import arrangement, goal_from, names_for, target_goal
 from tests.planning.scenes import scene, thing
 
 SEEN = scene(
-    thing("a", 0.5, 0.0), thing("b", 0.4, 0.1), thing("c", 0.6, 0.15), thing("d", 0.4, -0.1), thing("e", 0.5, 0.3),
-    thing("f", 0.6, 0.3), thing("g", 0.4, 0.3), thing("apple", 0.3, 0.2), thing("tomato", 0.3, -0.1),
-    thing("tomato_2", 0.3, -0.2), thing("corn", 0.5, 0.5), thing("tray", 0.55, -0.4), thing("bin", 0.28, -0.45),
-    thing("x", 0.9, 0.6), thing("y", 0.6, 0.9, level=-0.7), thing("z", 0.7, 0.0, agreeing=2),
-    thing("big_cube", 0.75, -0.2, size=(0.2, 0.2, 0.05)), thing("coarse", 0.66, 0.08, sigma_m=0.01),
-)  # fmt: skip
+    thing("a", 0.5, 0.0),
+    thing("b", 0.4, 0.1),
+    thing("c", 0.6, 0.15),
+    thing("d", 0.4, -0.1),
+    thing("e", 0.5, 0.3),
+    thing("f", 0.6, 0.3),
+    thing("g", 0.4, 0.3),
+    thing("apple", 0.3, 0.2),
+    thing("tomato", 0.3, -0.1),
+    thing("tomato_2", 0.3, -0.2),
+    thing("corn", 0.5, 0.5),
+    thing("tray", 0.55, -0.4),
+    thing("bin", 0.28, -0.45),
+    thing("x", 0.9, 0.6),
+    thing("y", 0.6, 0.9, level=-0.7),
+    thing("z", 0.7, 0.0, agreeing=2),
+    thing("big_cube", 0.75, -0.2, size=(0.2, 0.2, 0.05)),
+    thing("coarse", 0.66, 0.08, sigma_m=0.01),
+)
 TOWER = [{"on": [upper, lower]} for upper, lower in ("ba", "cb", "dc", "ed", "fe", "gf")]
 CASES: list[tuple[str, list[dict[str, Any]], str]] = [
     ("absent", [{"on": ["lemon", "a"]}], "there is no 'lemon' on the desk"),
@@ -48,29 +61,52 @@ CASES: list[tuple[str, list[dict[str, Any]], str]] = [
     ("out_of_reach", [{"at": "x", "x": 0.5, "y": 0.2}], "the arm does not reach 'x'"),
     ("two_places", [{"on": ["a", "b"]}, {"on": ["a", "c"]}], "'a' cannot be at 'b' and at 'c' at once"),
     ("two_places", [{"on": ["a", "desk"]}, {"in": ["a", "tray"]}], "'a' cannot be at 'desk' and at 'tray' at once"),
-    ("two_places", [{"at": "a", "x": 0.5, "y": 0}, {"at": "a", "x": 0.4, "y": 0}],
-     "'a' cannot be at (0.5, 0) and at (0.4, 0)"),
-    ("two_places", [{"on": ["a", "b"]}, {"at": "a", "x": 0.5, "y": 0}, {"at": "b", "x": 0.4, "y": 0}],
-     "'a' and 'b' are one on the other and at two places"),
-    ("same_place", [{"at": "a", "x": 0.5, "y": 0}, {"at": "b", "x": 0.51, "y": 0}],
-     "'a' and 'b' would be in the same place"),
-    ("contradiction", [{"next_to": ["a", "b"]}, {"apart": ["b", "a"]}],
-     "'b' and 'a' cannot be close together and apart"),
-    ("contradiction", [{"on": ["a", "b"]}, {"apart": ["b", "a"]}],
-     "'b' and 'a' cannot be one on the other and apart"),
+    (
+        "two_places",
+        [{"at": "a", "x": 0.5, "y": 0}, {"at": "a", "x": 0.4, "y": 0}],
+        "'a' cannot be at (0.5, 0) and at (0.4, 0)",
+    ),
+    (
+        "two_places",
+        [{"on": ["a", "b"]}, {"at": "a", "x": 0.5, "y": 0}, {"at": "b", "x": 0.4, "y": 0}],
+        "'a' and 'b' are one on the other and at two places",
+    ),
+    (
+        "same_place",
+        [{"at": "a", "x": 0.5, "y": 0}, {"at": "b", "x": 0.51, "y": 0}],
+        "'a' and 'b' would be in the same place",
+    ),
+    (
+        "contradiction",
+        [{"next_to": ["a", "b"]}, {"apart": ["b", "a"]}],
+        "'b' and 'a' cannot be close together and apart",
+    ),
+    ("contradiction", [{"on": ["a", "b"]}, {"apart": ["b", "a"]}], "'b' and 'a' cannot be one on the other and apart"),
     ("contradiction", [{"on": ["a", "b"]}, {"left_of": ["a", "b"]}], "'a' cannot be on 'b' and to a side of it"),
     ("cycle", [{"on": ["a", "b"]}, {"on": ["b", "a"]}], "'a' would be on itself, by way of others"),
-    ("cycle", [{"left_of": ["a", "b"]}, {"left_of": ["b", "c"]}, {"left_of": ["c", "a"]}],
-     "'a' would be to the left of itself, by way of others"),
+    (
+        "cycle",
+        [{"left_of": ["a", "b"]}, {"left_of": ["b", "c"]}, {"left_of": ["c", "a"]}],
+        "'a' would be to the left of itself, by way of others",
+    ),
     ("too_many", [{"on": ["a", "c"]}, {"on": ["b", "c"]}], "one thing fits on 'c', not 2"),
-    ("too_many", [{"in": [name, "bin"]} for name in ("corn", "apple", "tomato", "tomato_2", "a", "b", "c", "d", "e")],
-     "9 such things do not fit into 'bin'"),
+    (
+        "too_many",
+        [{"in": [name, "bin"]} for name in ("corn", "apple", "tomato", "tomato_2", "a", "b", "c", "d", "e")],
+        "9 such things do not fit into 'bin'",
+    ),
     ("too_high", TOWER, "a stack of more than 6 things would fall"),
-    ("contradiction", [{"left_of": ["a", "b"]}, {"at": "a", "x": 0.5, "y": 0.0}, {"at": "b", "x": 0.5, "y": 0.2}],
-     "at the places that are named, this does not hold: left_of a, b"),
-    ("no_room", [{"at": "a", "x": 0.55, "y": -0.45}],
-     "there is no arrangement with all of this at once that leaves room for the fingers"),
-]  # fmt: skip
+    (
+        "contradiction",
+        [{"left_of": ["a", "b"]}, {"at": "a", "x": 0.5, "y": 0.0}, {"at": "b", "x": 0.5, "y": 0.2}],
+        "at the places that are named, this does not hold: left_of a, b",
+    ),
+    (
+        "no_room",
+        [{"at": "a", "x": 0.55, "y": -0.45}],
+        "there is no arrangement with all of this at once that leaves room for the fingers",
+    ),
+]
 
 
 @pytest.mark.parametrize(("code", "predicates", "about"), CASES)

@@ -214,22 +214,36 @@ def test_a_plan_is_plain_data_that_has_what_it_assumes() -> None:
     assert data == {
         "moves": [data["next"]],
         "next": {
-            "kind": "pick_and_place", "object": "b", "pick": {"x": 0.4, "y": 0.2, "z": 0.022, "yaw": 0.0},
-            "place": {"x": 0.5, "y": 0.0, "z": 0.066, "yaw": 0.0}, "onto": "a",
+            "kind": "pick_and_place",
+            "object": "b",
+            "pick": {"x": 0.4, "y": 0.2, "z": 0.022, "yaw": 0.0},
+            "place": {"x": 0.5, "y": 0.0, "z": 0.066, "yaw": 0.0},
+            "onto": "a",
             "spare": data["next"]["spare"],
-            "assumes": ["b is at rest where it was seen", "nothing stands on b", "the gripper is empty",
-                        "a is at rest where it was seen", "nothing stands on a"],
+            "assumes": [
+                "b is at rest where it was seen",
+                "nothing stands on b",
+                "the gripper is empty",
+                "a is at rest where it was seen",
+                "nothing stands on a",
+            ],
             "why": "b is wanted on a",
         },
-        "reason": "", "about": "", "avoided": [],
-    }  # fmt: skip
+        "reason": "",
+        "about": "",
+        "avoided": [],
+    }
 
 
 def test_a_refusal_is_plain_data_of_the_same_fields() -> None:
     found = planned(goal_from([{"on": ["a", "lemon"]}]), scene(thing("a", 0.5, 0.0)))
     assert plan_data(found) == {
-        "moves": [], "next": None, "reason": "absent", "about": "there is no 'lemon' on the desk", "avoided": [],
-    }  # fmt: skip
+        "moves": [],
+        "next": None,
+        "reason": "absent",
+        "about": "there is no 'lemon' on the desk",
+        "avoided": [],
+    }
 
 
 @given(seeds, counts)

@@ -159,9 +159,12 @@ def test_what_is_shifted_by_nothing_stays_on_what_carries_it() -> None:
     seen = scene(*tower("b", "a"), thing("tray", 0.4, -0.3), thing("apple", 0.4, -0.3, level=0.005))
     stays = [{"shifted": name, "dx": 0.0, "dy": 0.0} for name in ("a", "b", "apple")]
     assert at_first_poses(goal(*stays), seen).written()["all"] == [
-        {"at": "a", "x": 0.5, "y": 0.0}, {"on": ["a", "b"]}, {"at": "b", "x": 0.5, "y": 0.0},
-        {"at": "apple", "x": 0.4, "y": -0.3}, {"in": ["apple", "tray"]},
-    ]  # fmt: skip
+        {"at": "a", "x": 0.5, "y": 0.0},
+        {"on": ["a", "b"]},
+        {"at": "b", "x": 0.5, "y": 0.0},
+        {"at": "apple", "x": 0.4, "y": -0.3},
+        {"in": ["apple", "tray"]},
+    ]
 
 
 @pytest.mark.parametrize(
@@ -213,11 +216,18 @@ def test_a_swap_is_the_poses_first_seen() -> None:
 
 def test_what_a_thing_rests_on() -> None:
     seen = scene(
-        thing("tray", 0.5, 0.3), thing("apple", 0.5, 0.3, level=0.005), *tower("a", "b"), thing("c", 0.3, 0, level=0.3),
-    )  # fmt: skip
+        thing("tray", 0.5, 0.3),
+        thing("apple", 0.5, 0.3, level=0.005),
+        *tower("a", "b"),
+        thing("c", 0.3, 0, level=0.3),
+    )
     assert {each.name: support(each.name, seen) for each in seen.things} == {
-        "tray": "desk", "apple": "tray", "a": "desk", "b": "a", "c": None,
-    }  # fmt: skip
+        "tray": "desk",
+        "apple": "tray",
+        "a": "desk",
+        "b": "a",
+        "c": None,
+    }
 
 
 @pytest.mark.parametrize("kind", SIZES)

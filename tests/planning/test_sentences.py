@@ -16,9 +16,14 @@ from tests.planning.scenes import scene, thing
 from tests.planning.test_feasibility import CASES, SEEN
 
 DESK = scene(
-    thing("red_cube", 0.5, 0.0, colour="red"), thing("blue_cube", 0.4, 0.1, colour="blue"), thing("apple", 0.3, 0.2),
-    thing("carrot", 0.6, 0.2), thing("tomato", 0.3, -0.1), thing("tomato_2", 0.3, -0.2), thing("tray", 0.55, -0.4),
-)  # fmt: skip
+    thing("red_cube", 0.5, 0.0, colour="red"),
+    thing("blue_cube", 0.4, 0.1, colour="blue"),
+    thing("apple", 0.3, 0.2),
+    thing("carrot", 0.6, 0.2),
+    thing("tomato", 0.3, -0.1),
+    thing("tomato_2", 0.3, -0.2),
+    thing("tray", 0.55, -0.4),
+)
 GERMAN = [
     ("stell die Karotte auf den Apfel", "auf 'apple' bleibt nichts liegen: es rollt"),
     ("staple die Tomaten", "kein Turm aus Tomaten: sie rollen"),

@@ -90,9 +90,12 @@ def test_foreign_activities_and_ours_keep_the_contract(most: int) -> None:
     states = ringing().states
     keys = {"done": Key(bool, source="robot"), "value": Key(float, source="mission")}
     for state in (
-        states["striking"], states["inspecting"], Call("horn", result={"value": "level"}, timeout_s=5),
-        Action("move", achieved={"key": "done", "==": True}, settle_s=2), Decision("On?", options={"on": {}}),
-    ):  # fmt: skip
+        states["striking"],
+        states["inspecting"],
+        Call("horn", result={"value": "level"}, timeout_s=5),
+        Action("move", achieved={"key": "done", "==": True}, settle_s=2),
+        Decision("On?", options={"on": {}}),
+    ):
         check_activity(state, keys, [{"done": True}, {"done": False}], ticker=PyTrees(), most=most)
 
 

@@ -45,20 +45,30 @@ def asking(*names: str, uses: str = "orchard_kinds>=1.2") -> Mission:
     }  # fmt: skip
     transitions = [{"on": "go", "to": "gone"}, {"on": "stop", "to": "stopped"}]
     return Mission(
-        "asking", uses=[uses] if uses else [], initial="a",
+        "asking",
+        uses=[uses] if uses else [],
+        initial="a",
         states={
             "a": {"decision": decision, "transitions": transitions},
-            "gone": {"final": "aborted"}, "stopped": {"final": "failed"},
+            "gone": {"final": "aborted"},
+            "stopped": {"final": "failed"},
         },
-    )  # fmt: skip
+    )
 
 
 @pytest.fixture
 def strange(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     """Lays a package out that offers the answerer `strange`."""
 
-    def lay(*, name: str = "strange", begin: str = "pass", ask: str = "pass", withdraw: str = "withdraw",
-            above: str = "", target: str = "Strange") -> str:  # fmt: skip
+    def lay(
+        *,
+        name: str = "strange",
+        begin: str = "pass",
+        ask: str = "pass",
+        withdraw: str = "withdraw",
+        above: str = "",
+        target: str = "Strange",
+    ) -> str:
         package = f"strange_{tmp_path.name}"
         code = above + STRANGE.format(begin=begin, ask=ask, withdraw=withdraw)
         offers = f"[rai_missions.answerers]\n{name} = {package}:{target}\n"

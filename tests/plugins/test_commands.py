@@ -50,8 +50,9 @@ CASES = [
     *((command, file) for command, file in itertools.product(ON_ROBOTS, ("robot.json", "tin.json"))),
     ("campaign check green.json", "asking.json"),
     ("campaign run green.json --store new.db", "asking.json"),
-    ("draw bare.json -o new.outline", ""), ("draw asking.json -o new.outline", "asking.json"),
-]  # fmt: skip
+    ("draw bare.json -o new.outline", ""),
+    ("draw asking.json -o new.outline", "asking.json"),
+]
 
 
 @pytest.fixture(scope="module")
@@ -77,9 +78,14 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     [(*case, there) for case in CASES for there in (True, False) if not (there and case[0].startswith("watch"))],
 )
 def test_each_command_takes_each_sort_of_kind_or_refuses_it_by_name(
-    command: str, file: str, is_installed: bool, made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    command: str,
+    file: str,
+    is_installed: bool,
+    made: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
+) -> None:
     folder = shutil.copytree(made, tmp_path / "here")
     monkeypatch.chdir(folder)
     if is_installed:

@@ -533,9 +533,12 @@ def test_a_foreign_guard_that_raises_or_is_no_truth_is_unknown(
     package = f"kinds_{tmp_path.name}"
     found = "None if seen.read(view) is None else {'': 'empty', 'yes': True}[seen.read(view)]"
     code = GUARD.format(
-        name="Odd", word="brittle", value=found, before="seen = Operand(self.brittle, site)",
+        name="Odd",
+        word="brittle",
+        value=found,
+        before="seen = Operand(self.brittle, site)",
         above="from rai_missions.guards.guard import Operand\nfrom rai_missions.model import Path",
-    ).replace("brittle: str", "brittle: Path")  # fmt: skip
+    ).replace("brittle: str", "brittle: Path")
     site = laid_out(tmp_path, package, "1.0", offers=f"[rai_missions.guards]\nbrittle = {package}:Odd\n", code=code)
     sys.path.insert(0, str(site))
     try:

@@ -60,8 +60,10 @@ ROBOT = {
 
 
 def sent_faults(mission: Mission | None, **words: dict[str, Any]) -> list[str]:
-    parts = {sort: {name: {**entry, **words.get(name, {})} for name, entry in ROBOT[sort].items()}  # type: ignore[attr-defined]
-             for sort in ("actions", "services", "topics")}  # fmt: skip
+    parts = {
+        sort: {name: {**entry, **words.get(name, {})} for name, entry in ROBOT[sort].items()}  # type: ignore[attr-defined]
+        for sort in ("actions", "services", "topics")
+    }
     robot = Robot.model_validate(ROBOT | parts)
     return [str(each) for each in unknown_fields(mission, robot, lambda name, part: SENT.get((name, part)))]
 

@@ -224,10 +224,18 @@ def test_a_robot_that_has_all_that_a_mission_uses_lacks_nothing() -> None:
 
 def test_a_robot_without_anything_lacks_everything() -> None:
     assert [fault.place for fault in missing(mission(), Robot(name="bare"))] == [
-        "/blackboard/alleys_driven", "/blackboard/battery", "/blackboard/camera", "/blackboard/obstacle",
-        "/blackboard/pose", "/events/anomaly", "/events/go", "/actions/drive_alleys", "/actions/go_home",
-        "/services/horn", "/topics/status",
-    ]  # fmt: skip
+        "/blackboard/alleys_driven",
+        "/blackboard/battery",
+        "/blackboard/camera",
+        "/blackboard/obstacle",
+        "/blackboard/pose",
+        "/events/anomaly",
+        "/events/go",
+        "/actions/drive_alleys",
+        "/actions/go_home",
+        "/services/horn",
+        "/topics/status",
+    ]
 
 
 @pytest.mark.parametrize(

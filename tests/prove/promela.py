@@ -43,13 +43,18 @@ class Drawing:
         for name, region in regions.items():
             self.transitions(region, name)
         return {
-            "format": 1, "name": "drawn", "version": "1.0.0", "initial": "all",
-            "blackboard": {**{name: {"type": "boolean", "initial": False} for name in FLAGS},
-                           **{name: {"type": "integer", "initial": 0} for name in COUNTS}},
+            "format": 1,
+            "name": "drawn",
+            "version": "1.0.0",
+            "initial": "all",
+            "blackboard": {
+                **{name: {"type": "boolean", "initial": False} for name in FLAGS},
+                **{name: {"type": "integer", "initial": 0} for name in COUNTS},
+            },
             "events": {name: {} for name in (*EVENTS, *RAISED, "stop")},
             "states": {"all": {"parallel": regions}, END: {"final": "aborted"}},
             "transitions": [{"on": "stop", "when": self.guard(), "to": END}],
-        }  # fmt: skip
+        }
 
     def compound(self, *, depth: int, region: str) -> Json:
         states: Json = {}
@@ -68,8 +73,13 @@ class Drawing:
         for each in state.get("states", {}).values():
             transitions = [self.transition(region) for _ in range(self.random.randint(0, 3))]
             if self.random.random() < 0.25:  # it makes its own guard false, so that no cycle is without end
-                transitions.append({"when": {"key": "p", "==": True}, "to": self.random.choice(self.regions[region]),
-                             "do": [{"set": "p", "value": False}]})  # fmt: skip
+                transitions.append(
+                    {
+                        "when": {"key": "p", "==": True},
+                        "to": self.random.choice(self.regions[region]),
+                        "do": [{"set": "p", "value": False}],
+                    }
+                )
             if transitions:
                 each["transitions"] = transitions
             self.transitions(each, region)

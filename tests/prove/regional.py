@@ -161,9 +161,16 @@ class Regional:
         if r.random() >= self.busy:
             if depth and r.random() < 0.05:
                 name = f"r{region}in{r.randint(0, 10**6)}"
-                regions = {f"{name}{side}": {"initial": f"{name}{side}a", "states": {
-                    f"{name}{side}a": {"transitions": [{"on": f"e{region}", "to": f"{name}{side}b"}]},
-                    f"{name}{side}b": {"final": "succeeded"}}} for side in "xy"}  # fmt: skip
+                regions = {
+                    f"{name}{side}": {
+                        "initial": f"{name}{side}a",
+                        "states": {
+                            f"{name}{side}a": {"transitions": [{"on": f"e{region}", "to": f"{name}{side}b"}]},
+                            f"{name}{side}b": {"final": "succeeded"},
+                        },
+                    }
+                    for side in "xy"
+                }
                 return {**made, "parallel": regions, "transitions": self.transitions(region, [{"on": "succeeded"}])}
             return {**made, "transitions": self.transitions(region, [])}
         kind = r.choice(["tree", "call", "action", "action", "decision"])
@@ -226,10 +233,15 @@ class Regional:
         words: Json = {}
         if r.random() < (0.05 if self.apart else 0.4):
             names = [r.choice(self.states[region]) for region in range(2)]
-            words["invariants"] = {"few": r.choice([
-                {"key": "n", "<": r.randint(1, 4)}, {"not": {"all": [{"in": each} for each in names]}},
-                {"any": [{"not": {"in": names[0]}}, {"key": "armed", "==": False}]},
-            ])}  # fmt: skip
+            words["invariants"] = {
+                "few": r.choice(
+                    [
+                        {"key": "n", "<": r.randint(1, 4)},
+                        {"not": {"all": [{"in": each} for each in names]}},
+                        {"any": [{"not": {"in": names[0]}}, {"key": "armed", "==": False}]},
+                    ]
+                )
+            }
         if r.random() < 0.5 or self.apart:
             words["transitions"] = [{"on": "stop", "to": "over"}]
         if r.random() < 0.2:
@@ -239,10 +251,15 @@ class Regional:
         keys = {name: key for name, key in KEYS.items() if not self.apart or key.get("source") != "robot"}
         events = [*(f"{letter}{region}" for region in range(self.many) for letter in "ef"), "stop", "all"]
         return {
-            "format": 1, "name": "regional", "version": "1.0.0", "blackboard": keys,
-            "events": {event: {} for event in events}, "initial": "work",
-            "states": {"work": work, "after": after, "over": {"final": "aborted"}, "done": done}, **words,
-        }  # fmt: skip
+            "format": 1,
+            "name": "regional",
+            "version": "1.0.0",
+            "blackboard": keys,
+            "events": {event: {} for event in events},
+            "initial": "work",
+            "states": {"work": work, "after": after, "over": {"final": "aborted"}, "done": done},
+            **words,
+        }
 
 
 def regional(seed: int, *, apart: bool = False) -> Json:

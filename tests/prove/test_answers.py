@@ -83,8 +83,11 @@ def at_once(mission: Mission) -> Environment:
 @st.composite
 def asking(draw: st.DrawFn) -> Json:
     names = draw(st.lists(st.sampled_from(sorted(PARAMETERS)), min_size=1, max_size=3, unique=True))
-    parameters = {"type": "object", "properties": {name: PARAMETERS[name] for name in names},
-                  "required": draw(st.lists(st.sampled_from(names), max_size=2, unique=True))}  # fmt: skip
+    parameters = {
+        "type": "object",
+        "properties": {name: PARAMETERS[name] for name in names},
+        "required": draw(st.lists(st.sampled_from(names), max_size=2, unique=True)),
+    }
     if draw(st.booleans()):
         parameters["additionalProperties"] = False
     give: Json = {"parameters": parameters}
@@ -155,13 +158,18 @@ def hold_against_backwards(document: Json) -> None:
     assert (lengths(one), one.states, one.steps) == (lengths(other), other.states, other.steps)
 
 
-HAPPENS = st.lists(st.one_of(
-    st.tuples(st.just("answer"), st.sampled_from(ANSWERS)), st.tuples(st.just("answer"), st.sampled_from(ANSWERS)),
-    st.tuples(st.just("event"), st.just("next")), st.tuples(st.just("tick"), st.just("")),
-    st.tuples(st.just("write"), st.just("battery"), st.sampled_from([0.1, 0.5])),
-    st.tuples(st.just("control"), st.sampled_from(["", *HANDS]), st.sampled_from(["operator", "robot"])),
-    st.sampled_from([("command", "pause"), ("command", "resume"), ("command", "resume")]),
-), max_size=20)  # fmt: skip
+HAPPENS = st.lists(
+    st.one_of(
+        st.tuples(st.just("answer"), st.sampled_from(ANSWERS)),
+        st.tuples(st.just("answer"), st.sampled_from(ANSWERS)),
+        st.tuples(st.just("event"), st.just("next")),
+        st.tuples(st.just("tick"), st.just("")),
+        st.tuples(st.just("write"), st.just("battery"), st.sampled_from([0.1, 0.5])),
+        st.tuples(st.just("control"), st.sampled_from(["", *HANDS]), st.sampled_from(["operator", "robot"])),
+        st.sampled_from([("command", "pause"), ("command", "resume"), ("command", "resume")]),
+    ),
+    max_size=20,
+)
 
 
 def hold_against_walk(document: Json, script: list[tuple[Any, ...]]) -> None:
@@ -172,10 +180,17 @@ def hold_against_walk(document: Json, script: list[tuple[Any, ...]]) -> None:
     chart, robot = Chart(mission), ScriptedRobot()
     robot.follow(chart.start(0.0))
     for at, drawn in enumerate(script, 1):
-        event = robot.event(drawn, float(at)) if drawn[0] != "answer" else Event(
-            robot.answerer, float(at), {"option": "give", "parameters": drawn[1]}, "proposal",
-            robot.questions[-1] if robot.questions else 0,
-        )  # fmt: skip
+        event = (
+            robot.event(drawn, float(at))
+            if drawn[0] != "answer"
+            else Event(
+                robot.answerer,
+                float(at),
+                {"option": "give", "parameters": drawn[1]},
+                "proposal",
+                robot.questions[-1] if robot.questions else 0,
+            )
+        )
         robot.follow(chart.send(event))
         assert seen(chart) in space.seen, f"step {at} of {script}"
 
@@ -222,13 +237,25 @@ test_no_answer_leads_out_of_what_was_explored_however_often_it_is_tried = drill(
 
 
 ASKING: Json = {
-    "decision": {"question": "Which?", "ask": ["operator"], "fallback": "leave", "deadline_s": 5, "options": {
-        "give": {"parameters": {"type": "object", "properties": {name: PARAMETERS[name] for name in ("n", "word")},
-                                "required": ["n", "word"], "additionalProperties": False}},
-        "leave": {},
-    }},
+    "decision": {
+        "question": "Which?",
+        "ask": ["operator"],
+        "fallback": "leave",
+        "deadline_s": 5,
+        "options": {
+            "give": {
+                "parameters": {
+                    "type": "object",
+                    "properties": {name: PARAMETERS[name] for name in ("n", "word")},
+                    "required": ["n", "word"],
+                    "additionalProperties": False,
+                }
+            },
+            "leave": {},
+        },
+    },
     "transitions": [{"on": "give", "when": {"key": "answer.n", "==": 1}, "to": "odd"}, {"on": "leave", "to": "over"}],
-}  # fmt: skip
+}
 
 
 def asking_mission(keys: Json = NONE, /, **states: Json) -> Mission:
@@ -313,9 +340,20 @@ def test_failures_that_wait_for_a_hand_back_are_states_of_their_own() -> None:
 
 def test_an_answer_that_has_to_wait_only_since_it_was_given_waits_with_all_that_it_brings() -> None:
     """It writes a key by which a state is entered that the operator holds; that state's transitions name the answer."""
-    asked = dict(ASKING["decision"], options={"leave": {}, "give": {"parameters": {
-        "type": "object", "properties": {name: PARAMETERS[name] for name in ("n", "kept")}, "required": ["n", "kept"],
-        "additionalProperties": False}}})  # fmt: skip
+    asked = dict(
+        ASKING["decision"],
+        options={
+            "leave": {},
+            "give": {
+                "parameters": {
+                    "type": "object",
+                    "properties": {name: PARAMETERS[name] for name in ("n", "kept")},
+                    "required": ["n", "kept"],
+                    "additionalProperties": False,
+                }
+            },
+        },
+    )
     late: Json = {"on": "give", "of": "asking", "to": "odd", "when": {
         "all": [{"key": "n", "==": 1}, {"key": "answer.n", "==": 1}]}}  # fmt: skip
     signed: Json = {"on": "next", "when": {"in": "driving"}, "to": "on", "do": [{"set": "n", "value": 1}]}

@@ -84,8 +84,9 @@ def test_a_journal_that_is_there_is_left_alone(written: Callable[..., str]) -> N
     for _ in range(2):
         assert main(["prove", mission]) == 1
     assert sorted(path.name for path in Path().glob("*.journal")) == [
-        "tractor_orchard-invariants-2.journal", "tractor_orchard-invariants.journal",
-    ]  # fmt: skip
+        "tractor_orchard-invariants-2.journal",
+        "tractor_orchard-invariants.journal",
+    ]
 
 
 def test_the_object_holds_what_the_lines_state(written: Callable[..., str], capsys: pytest.CaptureFixture[str]) -> None:

@@ -46,11 +46,15 @@ DEADLOCK = mission({
     "stuck": {"about": "waits for what never is", "transitions": [{"when": {"key": "tries", ">": 0}, "to": "aborted"}]},
     "done": DONE, "aborted": ABORTED,
 })  # fmt: skip
-LIVELOCK = mission({
-    "here": {"transitions": [{"after_s": 5, "to": "there"}]},
-    "there": {"transitions": [{"after_s": 5, "to": "here"}]},
-    "aborted": ABORTED,
-}, events={"stop": {}}, transitions=[{"on": "stop", "to": "aborted"}])  # fmt: skip
+LIVELOCK = mission(
+    {
+        "here": {"transitions": [{"after_s": 5, "to": "there"}]},
+        "there": {"transitions": [{"after_s": 5, "to": "here"}]},
+        "aborted": ABORTED,
+    },
+    events={"stop": {}},
+    transitions=[{"on": "stop", "to": "aborted"}],
+)
 INVARIANT = mission(
     {"driving": DRIVING, "done": DONE, "aborted": ABORTED},
     invariants={"charged": {"not": {"all": [{"in": "driving"}, {"key": "battery", "<": 0.1}]}}},
@@ -86,17 +90,26 @@ NO_END = mission({
     "waiting": {"transitions": [{"when": {"key": "tries", ">": 0}, "to": "aborted"}]},
     "aborted": ABORTED,
 })  # fmt: skip
-CIRCLE = mission({
-    "here": {"transitions": [{"when": {"key": "battery", "<": 0.5}, "to": "there"}, {"on": "stop", "to": "aborted"}]},
-    "there": {"transitions": [{"when": {"key": "battery", "<": 0.7}, "to": "here"}]},
-    "aborted": ABORTED,
-}, events={"stop": {}})  # fmt: skip
-CANCEL = mission({
-    "driving": DRIVING,
-    "tidying": {"transitions": [{"after_s": 5, "to": "again"}]},
-    "again": {"transitions": [{"after_s": 5, "to": "tidying"}]},
-    "done": DONE, "aborted": ABORTED,
-}, on_cancel="tidying")  # fmt: skip
+CIRCLE = mission(
+    {
+        "here": {
+            "transitions": [{"when": {"key": "battery", "<": 0.5}, "to": "there"}, {"on": "stop", "to": "aborted"}]
+        },
+        "there": {"transitions": [{"when": {"key": "battery", "<": 0.7}, "to": "here"}]},
+        "aborted": ABORTED,
+    },
+    events={"stop": {}},
+)
+CANCEL = mission(
+    {
+        "driving": DRIVING,
+        "tidying": {"transitions": [{"after_s": 5, "to": "again"}]},
+        "again": {"transitions": [{"after_s": 5, "to": "tidying"}]},
+        "done": DONE,
+        "aborted": ABORTED,
+    },
+    on_cancel="tidying",
+)
 REFUTED: dict[str, tuple[Json, str, list[str]]] = {
     "deadlock": (DEADLOCK, "ends", ["the mission starts", "the time of 'driving' is over"]),
     "livelock": (LIVELOCK, "comes to rest", ["the mission starts"]),

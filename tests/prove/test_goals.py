@@ -85,13 +85,22 @@ def test_a_goal_that_is_not_in_the_request_is_never_acted_on_whatever_is_read() 
         given = moving()
         given["blackboard"] |= {"wanted": {"type": "object"}, "reading": {"type": "object"}}
         given["states"] |= {
-            "reading_it": {"read": "request", "over": "objects", "into": "reading", "transitions": [
-                {"on": "succeeded", "to": "judging", "do": [{"set": "wanted", "from": "reading.goal"}]},
-                {"on": ["unclear", "refused", "rejected"], "to": "refused"},
-            ]},
-            "judging": {"transitions": [{"when": {"all": [{"fresh": "wanted"}, *guards]}, "to": "planning"},
-                                        {"after_s": 1, "to": "refused"}]},
-        }  # fmt: skip
+            "reading_it": {
+                "read": "request",
+                "over": "objects",
+                "into": "reading",
+                "transitions": [
+                    {"on": "succeeded", "to": "judging", "do": [{"set": "wanted", "from": "reading.goal"}]},
+                    {"on": ["unclear", "refused", "rejected"], "to": "refused"},
+                ],
+            },
+            "judging": {
+                "transitions": [
+                    {"when": {"all": [{"fresh": "wanted"}, *guards]}, "to": "planning"},
+                    {"after_s": 1, "to": "refused"},
+                ]
+            },
+        }
         given["initial"] = "reading_it"
         given["invariants"] = {"said": {"not": {"all": [{"in": "moving"}, {"not": ASKED_FOR}]}}}
         assert verdicts(Mission.model_validate(given))["invariants"] == verdict
@@ -132,15 +141,27 @@ def test_a_goal_that_was_read_is_known_also_where_no_guard_looks_into_goals() ->
     }  # fmt: skip
     copied = {"set": "wanted", "from": "reading.goal"}
     states: Json = {
-        "reading_it": {"read": "request", "over": "objects", "into": "reading", "transitions": [
-            {"on": "succeeded", "to": "planning", "do": [copied]},
-            {"on": ["unclear", "refused"], "to": "unread", "do": [copied]}, {"on": "rejected", "to": "none"},
-        ]},
-        "planning": {"plan": "wanted", "over": "objects", "into": "plan", "transitions": [
-            {"on": ["succeeded", "failed"], "to": "planned"}, {"on": "rejected", "to": "unplanned"},
-        ]},
+        "reading_it": {
+            "read": "request",
+            "over": "objects",
+            "into": "reading",
+            "transitions": [
+                {"on": "succeeded", "to": "planning", "do": [copied]},
+                {"on": ["unclear", "refused"], "to": "unread", "do": [copied]},
+                {"on": "rejected", "to": "none"},
+            ],
+        },
+        "planning": {
+            "plan": "wanted",
+            "over": "objects",
+            "into": "plan",
+            "transitions": [
+                {"on": ["succeeded", "failed"], "to": "planned"},
+                {"on": "rejected", "to": "unplanned"},
+            ],
+        },
         "unread": {"transitions": [{"when": {"fresh": "wanted"}, "to": "odd"}, {"after_s": 1, "to": "none"}]},
         **{name: {"final": "aborted"} for name in ("planned", "unplanned", "odd", "none")},
-    }  # fmt: skip
+    }
     given = {"format": 1, "name": "m", "initial": "reading_it", "blackboard": keys, "states": states}
     assert set(prove(Mission.model_validate(given)).never) == {"unplanned", "odd"}

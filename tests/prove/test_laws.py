@@ -91,82 +91,133 @@ def test_a_way_that_looks_at_what_differs_is_gone_again() -> None:
     """Of the same happening, one way looks at the counter and another does not."""
     counted: Json = {"on": "more", "do": [{"set": "tries", "add": 1}]}
     guard: Json = {"any": [{"key": "event.kind", "==": "sure"}, {"key": "tries", ">": 2}]}
-    hold_against_patient({
-        "format": 1, "name": "counted", "version": "1.0.0", "initial": "here",
-        "blackboard": {"tries": {"type": "integer", "initial": 0}},
-        "events": {"go": {"fields": {"kind": "string"}}, "more": {}},
-        "states": {
-            "here": {"transitions": [counted, {"on": "go", "when": guard, "to": "there"}]},
-            "there": {"transitions": [{"on": "more", "when": {"key": "tries", "<": 2}, "to": "here"}]},
-            "over": {"final": "aborted"},
+    hold_against_patient(
+        {
+            "format": 1,
+            "name": "counted",
+            "version": "1.0.0",
+            "initial": "here",
+            "blackboard": {"tries": {"type": "integer", "initial": 0}},
+            "events": {"go": {"fields": {"kind": "string"}}, "more": {}},
+            "states": {
+                "here": {"transitions": [counted, {"on": "go", "when": guard, "to": "there"}]},
+                "there": {"transitions": [{"on": "more", "when": {"key": "tries", "<": 2}, "to": "here"}]},
+                "over": {"final": "aborted"},
+            },
+            "transitions": [{"on": "go", "when": {"key": "event.kind", "==": "stop"}, "to": "over"}],
         },
-        "transitions": [{"on": "go", "when": {"key": "event.kind", "==": "stop"}, "to": "over"}],
-    }, MOST, work=math.inf)  # fmt: skip
+        MOST,
+        work=math.inf,
+    )
 
 
 def test_a_step_that_counts_is_the_same_from_every_number_that_guards_treat_alike() -> None:
     def more(key: str, many: int) -> Json:
         return {"set": key, "add": many}
 
-    hold_against_patient({
-        "format": 1, "name": "counted", "version": "1.0.0", "initial": "here",
-        "blackboard": {"n": {"type": "integer", "initial": 0}, "m": {"type": "integer", "initial": 0}},
-        "events": {"one": {}, "two": {}, "again": {}, "other": {}, "stop": {}},
-        "states": {
-            "here": {"transitions": [
-                {"on": "one", "when": {"key": "n", "<": 9}, "do": [more("n", 1)], "to": "looking"},
-                {"on": "two", "when": {"key": "n", "<": 9}, "do": [more("n", 2), more("m", -1)], "to": "looking"},
-                {"on": "again", "do": [{"set": "n", "value": 1}]},
-                {"on": "other", "when": {"key": "m", "<": 3}, "do": [more("m", 1)]},
-            ]},
-            "looking": {"transitions": [
-                {"when": {"key": "n", "==": 7}, "to": "over"},
-                {"when": {"key": "n", ">": 4}, "do": [{"set": "m", "value": 0}], "to": "here"},
-                {"on": "one", "to": "here"}, {"on": "two", "do": [more("n", 1)], "to": "looking"},
-            ]},
-            "over": {"final": "aborted"},
+    hold_against_patient(
+        {
+            "format": 1,
+            "name": "counted",
+            "version": "1.0.0",
+            "initial": "here",
+            "blackboard": {"n": {"type": "integer", "initial": 0}, "m": {"type": "integer", "initial": 0}},
+            "events": {"one": {}, "two": {}, "again": {}, "other": {}, "stop": {}},
+            "states": {
+                "here": {
+                    "transitions": [
+                        {"on": "one", "when": {"key": "n", "<": 9}, "do": [more("n", 1)], "to": "looking"},
+                        {
+                            "on": "two",
+                            "when": {"key": "n", "<": 9},
+                            "do": [more("n", 2), more("m", -1)],
+                            "to": "looking",
+                        },
+                        {"on": "again", "do": [{"set": "n", "value": 1}]},
+                        {"on": "other", "when": {"key": "m", "<": 3}, "do": [more("m", 1)]},
+                    ]
+                },
+                "looking": {
+                    "transitions": [
+                        {"when": {"key": "n", "==": 7}, "to": "over"},
+                        {"when": {"key": "n", ">": 4}, "do": [{"set": "m", "value": 0}], "to": "here"},
+                        {"on": "one", "to": "here"},
+                        {"on": "two", "do": [more("n", 1)], "to": "looking"},
+                    ]
+                },
+                "over": {"final": "aborted"},
+            },
+            "transitions": [{"on": "stop", "to": "over"}],
         },
-        "transitions": [{"on": "stop", "to": "over"}],
-    }, 30 * MOST, work=math.inf)  # fmt: skip
+        30 * MOST,
+        work=math.inf,
+    )
 
 
 def test_a_step_is_the_same_from_every_list_that_it_does_not_look_into() -> None:
-    hold_against_patient({
-        "format": 1, "name": "listed", "version": "1.0.0", "initial": "going_over",
-        "blackboard": {"places": {"type": "list", "source": "argument"}, "place": {"type": "string"}},
-        "events": {"next": {}, "other": {}, "again": {}, "stop": {}},
-        "states": {
-            "going_over": {
-                "each": "places", "as": "place", "initial": "first",
-                "transitions": [{"on": ["succeeded", "failed"], "to": "over"}, {"on": "again", "to": "going_over"}],
-                "states": {
-                    "first": {"transitions": [{"on": "other", "to": "second"}]},
-                    "second": {"transitions": [
-                        {"on": "next", "to": "gone"},
-                        {"on": "other", "when": {"key": "place", "==": "a"}, "to": "first"},
-                    ]},
-                    "gone": {"final": "succeeded"},
+    hold_against_patient(
+        {
+            "format": 1,
+            "name": "listed",
+            "version": "1.0.0",
+            "initial": "going_over",
+            "blackboard": {"places": {"type": "list", "source": "argument"}, "place": {"type": "string"}},
+            "events": {"next": {}, "other": {}, "again": {}, "stop": {}},
+            "states": {
+                "going_over": {
+                    "each": "places",
+                    "as": "place",
+                    "initial": "first",
+                    "transitions": [{"on": ["succeeded", "failed"], "to": "over"}, {"on": "again", "to": "going_over"}],
+                    "states": {
+                        "first": {"transitions": [{"on": "other", "to": "second"}]},
+                        "second": {
+                            "transitions": [
+                                {"on": "next", "to": "gone"},
+                                {"on": "other", "when": {"key": "place", "==": "a"}, "to": "first"},
+                            ]
+                        },
+                        "gone": {"final": "succeeded"},
+                    },
                 },
+                "over": {"final": "aborted"},
             },
-            "over": {"final": "aborted"},
+            "transitions": [{"on": "stop", "to": "over"}],
         },
-        "transitions": [{"on": "stop", "to": "over"}],
-    }, 30 * MOST, work=math.inf)  # fmt: skip
+        30 * MOST,
+        work=math.inf,
+    )
 
 
 def test_guards_that_are_held_come_in_one_order_whichever_was_true_first() -> None:
-    hold_against_patient({
-        "name": "held_in_turn", "initial": "driving", "events": {"poke": {}},
-        "blackboard": {"battery": {"type": "number", "source": "robot"}},
-        "states": {
-            "driving": {"action": "drive", "control": "autonomy", "transitions": [
-                {"on": "poke", "when": {"not": {"held": {"key": "battery", ">": 0.25}, "for_s": 2}},
-                 "do": [{"log": "poked"}]},
-                {"when": {"held": {"held": {"key": "battery", "!=": 0.5}, "for_s": 2}, "for_s": 2}, "to": "over"},
-            ]},
-            "over": {"final": "aborted"},
+    hold_against_patient(
+        {
+            "name": "held_in_turn",
+            "initial": "driving",
+            "events": {"poke": {}},
+            "blackboard": {"battery": {"type": "number", "source": "robot"}},
+            "states": {
+                "driving": {
+                    "action": "drive",
+                    "control": "autonomy",
+                    "transitions": [
+                        {
+                            "on": "poke",
+                            "when": {"not": {"held": {"key": "battery", ">": 0.25}, "for_s": 2}},
+                            "do": [{"log": "poked"}],
+                        },
+                        {
+                            "when": {"held": {"held": {"key": "battery", "!=": 0.5}, "for_s": 2}, "for_s": 2},
+                            "to": "over",
+                        },
+                    ],
+                },
+                "over": {"final": "aborted"},
+            },
         },
-    }, 30 * MOST, work=math.inf)  # fmt: skip
+        30 * MOST,
+        work=math.inf,
+    )
 
 
 FAILED = ["failed", "rejected", "timed_out", "unverified"]
@@ -198,11 +249,19 @@ BEGUN: dict[str, Json] = {
 @pytest.mark.parametrize("what", BEGUN)
 def test_what_was_begun_comes_in_one_order_whichever_began_first(what: str) -> None:
     apart = RobotFacts(uses={"lift": frozenset(["arm"]), "look": frozenset(["camera"])})
-    hold_against_patient({
-        "name": "begun_in_turn", "initial": "work", "events": {"l": {}, "r": {}, "stop": {}},
-        "blackboard": {"armed": {"type": "boolean", "initial": False}},
-        "states": {"work": BEGUN[what], "over": {"final": "aborted"}}, "transitions": [{"on": "stop", "to": "over"}],
-    }, 30 * MOST, work=math.inf, terms=apart)  # fmt: skip
+    hold_against_patient(
+        {
+            "name": "begun_in_turn",
+            "initial": "work",
+            "events": {"l": {}, "r": {}, "stop": {}},
+            "blackboard": {"armed": {"type": "boolean", "initial": False}},
+            "states": {"work": BEGUN[what], "over": {"final": "aborted"}},
+            "transitions": [{"on": "stop", "to": "over"}],
+        },
+        30 * MOST,
+        work=math.inf,
+        terms=apart,
+    )
 
 
 def hold_against_patient(document: Json, most: int, work: float = WORK, terms: RobotFacts | None = None) -> None:

@@ -89,14 +89,24 @@ def test_a_step_is_made_once_for_values_that_no_guard_distinguishes() -> None:
     """The counter has 31 values, of which the guards of the other steps distinguish three."""
     more: Json = {"on": "up", "when": {"key": "n", "<": 30}, "do": [{"set": "n", "add": 1}]}
     looks = [{"on": f"look{number}", "when": {"key": "n", ">=": 2}, "to": "there"} for number in range(10)]
-    space = Space(Environment(Mission.model_validate({
-        "format": 1, "name": "counted", "initial": "here", "blackboard": {"n": {"type": "integer", "initial": 0}},
-        "events": {"up": {}, "stop": {}, **{f"look{number}": {} for number in range(10)}},
-        "states": {
-            "here": {"transitions": [more, *looks]}, "over": {"final": "aborted"},
-            "there": {"transitions": [{**each, "to": "here"} for each in looks]},
-        },
-        "transitions": [{"on": "stop", "to": "over"}],
-    })))  # fmt: skip
+    space = Space(
+        Environment(
+            Mission.model_validate(
+                {
+                    "format": 1,
+                    "name": "counted",
+                    "initial": "here",
+                    "blackboard": {"n": {"type": "integer", "initial": 0}},
+                    "events": {"up": {}, "stop": {}, **{f"look{number}": {} for number in range(10)}},
+                    "states": {
+                        "here": {"transitions": [more, *looks]},
+                        "over": {"final": "aborted"},
+                        "there": {"transitions": [{**each, "to": "here"} for each in looks]},
+                    },
+                    "transitions": [{"on": "stop", "to": "over"}],
+                }
+            )
+        )
+    )
     space.explore()
     assert space.is_whole and space.meter.work - space.steps < 100

@@ -126,10 +126,13 @@ def waiting(after: list[Json], *, is_nested: bool = False, **inner: Json) -> Jso
     if is_nested:
         items["states"] |= {
             "wait": {
-                "each": "places", "as": "other", "initial": "stay", "transitions": [{"on": "succeeded", "to": "next"}],
+                "each": "places",
+                "as": "other",
+                "initial": "stay",
+                "transitions": [{"on": "succeeded", "to": "next"}],
                 "states": {"stay": {"transitions": [{"after_s": 1, "to": "seen"}]}, "seen": {"final": "succeeded"}},
             }
-        }  # fmt: skip
+        }
     return {
         "format": 1, "name": "waiting", "initial": "going",
         "blackboard": {

@@ -138,13 +138,18 @@ def counting(many: int, *, shared: bool = False) -> Mission:
     if shared:
         regions["region0"]["states"]["a0"]["transitions"][0]["do"] = [{"set": "lit", "value": True}]
         regions["region1"]["states"]["a1"]["transitions"][0]["when"] = {"key": "lit", "==": True}
-    return Mission.model_validate({
-        "blackboard": {"lit": {"type": "boolean", "initial": False}} if shared else {},
-        "format": 1, "name": "regions", "version": "1.0.0", "initial": "all",
-        "events": {**{f"e{number}": {} for number in range(many)}, "stop": {}},
-        "states": {"all": {"parallel": regions}, "over": {"final": "aborted"}},
-        "transitions": [{"on": "stop", "to": "over"}],
-    })  # fmt: skip
+    return Mission.model_validate(
+        {
+            "blackboard": {"lit": {"type": "boolean", "initial": False}} if shared else {},
+            "format": 1,
+            "name": "regions",
+            "version": "1.0.0",
+            "initial": "all",
+            "events": {**{f"e{number}": {} for number in range(many)}, "stop": {}},
+            "states": {"all": {"parallel": regions}, "over": {"final": "aborted"}},
+            "transitions": [{"on": "stop", "to": "over"}],
+        }
+    )
 
 
 @pytest.mark.parametrize("many", [1, 2, 3])

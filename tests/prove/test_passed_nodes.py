@@ -41,20 +41,25 @@ Memories = Mapping[str, Any]
 MOST_ROUNDS = 20
 STEPS = st.one_of(
     leaves,
-    st.sampled_from([
-        {"action": "drive"}, {"call": "horn"}, {"set": "n", "add": 1},
-        {"action": "drive", "goal": {"to": {"from": "a"}}},
-    ]),
+    st.sampled_from(
+        [
+            {"action": "drive"},
+            {"call": "horn"},
+            {"set": "n", "add": 1},
+            {"action": "drive", "goal": {"to": {"from": "a"}}},
+        ]
+    ),
     leaves.map(lambda leaf: {"one_shot": leaf}),
-)  # fmt: skip
+)
 
 
 def in_a_row(inner: Drawn, *, memory: bool = True) -> Drawn:
     """Composites of two or three."""
     return st.builds(
         lambda word, given: {word: given, "memory": memory},
-        st.sampled_from(["sequence", "selector"]), st.lists(inner, min_size=2, max_size=3),
-    )  # fmt: skip
+        st.sampled_from(["sequence", "selector"]),
+        st.lists(inner, min_size=2, max_size=3),
+    )
 
 
 def side_by_side(inner: Drawn) -> Drawn:
@@ -129,8 +134,11 @@ def holds_for(tree: Json, life: list[Moment], trees: Trees) -> None:
 
     def forgotten(memories: Memories) -> Memories:
         left = passed.forgotten(memories)
-        return {path: memory for path, memory in left.items() if not path or memory["status"] != "invalid"
-                or "end" in memory or "refused" in memory}  # fmt: skip
+        return {
+            path: memory
+            for path, memory in left.items()
+            if not path or memory["status"] != "invalid" or "end" in memory or "refused" in memory
+        }
 
     lives = (
         [*life_at_rest(trees.compile(root, "/states/s/tree", KEYS, "s"), life, how)]

@@ -44,15 +44,23 @@ def found(mission: Mission, space: Space) -> Json:
     seen = space.environment.instruments
     edges = zip([source for source, _ in space.edges()], space.edges(), strict=True)
     return {
-        "states": space.states, "ways": Counter(map(repr, ways)), "edges": len({edge for _, edge in edges}),
-        "by time": len(set(space.edges(time_only=True))), "waits": Counter(space.sets[k] for _, _, k in space.silent()),
-        "marks": [len(each(space)) for each in (stuck, lost, circling)], "canceling": len(space.canceling),
-        "taken": space.findings.taken, "entered": space.findings.entered, "paused": space.findings.in_pause,
+        "states": space.states,
+        "ways": Counter(map(repr, ways)),
+        "edges": len({edge for _, edge in edges}),
+        "by time": len(set(space.edges(time_only=True))),
+        "waits": Counter(space.sets[k] for _, _, k in space.silent()),
+        "marks": [len(each(space)) for each in (stuck, lost, circling)],
+        "canceling": len(space.canceling),
+        "taken": space.findings.taken,
+        "entered": space.findings.entered,
+        "paused": space.findings.in_pause,
         "rules": seen.seen,
         "answers": seen.answered,
-        "claims": [(each.name, each.verdict, len(space.path(each.state)) if each.has_run else 0, each.way is None)
-                   for each in claims(mission, space)],
-    }  # fmt: skip
+        "claims": [
+            (each.name, each.verdict, len(space.path(each.state)) if each.has_run else 0, each.way is None)
+            for each in claims(mission, space)
+        ],
+    }
 
 
 def hold_against_full(document: Json, facts: RobotFacts) -> tuple[int, int] | None:

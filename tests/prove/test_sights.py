@@ -69,7 +69,7 @@ class WholeSights(Environment):
         self.world.shapes = {
             key: WholeSight(each.sights) if isinstance(each, OpenSight) else each
             for key, each in self.world.shapes.items()
-        }  # fmt: skip
+        }
 
 
 @st.composite
@@ -86,11 +86,13 @@ def sighted(draw: st.DrawFn) -> Json:
     states: Json = {}
     for at, name in enumerate(names[:-1]):
         to = st.sampled_from([*names[at + 1 :], "done"])
-        states[name] = {"transitions": [
-            *({"when": draw(guards()), "to": draw(to)} for _ in range(draw(st.integers(1, 2)))),
-            {"on": "next", "when": draw(guards()), "to": draw(st.sampled_from([*names[:-1], "done"]))},
-            {"after_s": 5, "to": draw(to)},
-        ]}  # fmt: skip
+        states[name] = {
+            "transitions": [
+                *({"when": draw(guards()), "to": draw(to)} for _ in range(draw(st.integers(1, 2)))),
+                {"on": "next", "when": draw(guards()), "to": draw(st.sampled_from([*names[:-1], "done"]))},
+                {"after_s": 5, "to": draw(to)},
+            ]
+        }
     if draw(st.booleans()):
         states["two"] = {
             "plan": "wanted", "over": "objects", "into": "plan", "transitions": [
@@ -115,16 +117,25 @@ def sighted(draw: st.DrawFn) -> Json:
     held = [name for name, each in invariants.items() if "held" in str(each)]
     wanted = {"type": "object", "source": draw(st.sampled_from(["argument", "mission"]))}
     return {
-        "name": "sighted", "initial": "one", "events": {"next": {}},
-        "blackboard": {**KEYS, "objects": OBJECTS, "wanted": wanted, "report": {"type": "string", "initial": ""},
-                       "sentence": {"type": "string"}, "reading": {"type": "object", "fields": READING},
-                       "plan": {"type": "object", "fields": {"next": "object", "reason": "string", "about": "string"}}},
+        "name": "sighted",
+        "initial": "one",
+        "events": {"next": {}},
+        "blackboard": {
+            **KEYS,
+            "objects": OBJECTS,
+            "wanted": wanted,
+            "report": {"type": "string", "initial": ""},
+            "sentence": {"type": "string"},
+            "reading": {"type": "object", "fields": READING},
+            "plan": {"type": "object", "fields": {"next": "object", "reason": "string", "about": "string"}},
+        },
         "invariants": {name: each for name, each in invariants.items() if name not in held},
-        "states": states | {
+        "states": states
+        | {
             "done": {"final": "succeeded", "requires": draw(guards().filter(lambda each: "held" not in str(each)))},
             "aborted": {"final": "aborted", "entry": [{"publish": "report", "message": {"data": {"from": "report"}}}]},
         },
-    }  # fmt: skip
+    }
 
 
 def space_of(mission: Mission, kind: type[Environment] = Environment) -> RecordingSpace:
@@ -188,8 +199,15 @@ def junctions() -> st.SearchStrategy[Json]:
     """An `all` or `any` of fields of one object, one inside another."""
     parts = st.lists(st.sampled_from(FIELDS), min_size=2, max_size=3)
     flat = st.builds(lambda word, parts: {word: parts}, st.sampled_from(["all", "any"]), parts)
-    return st.one_of(flat, st.builds(lambda outer, inner, part: {outer: [inner, part]},
-                                     st.sampled_from(["all", "any"]), flat, st.sampled_from(FIELDS)))  # fmt: skip
+    return st.one_of(
+        flat,
+        st.builds(
+            lambda outer, inner, part: {outer: [inner, part]},
+            st.sampled_from(["all", "any"]),
+            flat,
+            st.sampled_from(FIELDS),
+        ),
+    )
 
 
 def looking(given: Any, guards: list[Json]) -> Any:
@@ -246,24 +264,37 @@ def test_what_is_not_read_makes_no_difference_however_often_it_is_tried(document
 
 def test_what_is_reported_next_comes_in_one_order_whatever_was_asked_first() -> None:
     """A state that is found by a stale sight has asked for `reached` first, the others for `feasible`."""
-    hold_against_patient({
-        "name": "seen_in_turn", "initial": "one", "events": {"next": {}},
-        "blackboard": {
-            "request": {"type": "string", "source": "argument", "initial": REQUESTS[0]}, "objects": OBJECTS,
-            "wanted": {"type": "object", "source": "argument"}, "sentence": {"type": "string"},
-            "reading": {"type": "object", "fields": READING},
+    hold_against_patient(
+        {
+            "name": "seen_in_turn",
+            "initial": "one",
+            "events": {"next": {}},
+            "blackboard": {
+                "request": {"type": "string", "source": "argument", "initial": REQUESTS[0]},
+                "objects": OBJECTS,
+                "wanted": {"type": "object", "source": "argument"},
+                "sentence": {"type": "string"},
+                "reading": {"type": "object", "fields": READING},
+            },
+            "states": {
+                "one": {
+                    "transitions": [
+                        {"when": FEASIBLE, "to": "two", "do": [{"set": "sentence", "from": "request"}]},
+                        {"when": REACHED, "to": "two"},
+                    ]
+                },
+                "two": {
+                    "transitions": [
+                        {"when": REACHED, "to": "three"},
+                        {"on": "next", "when": {"any": [REACHED, ASKED_FOR]}, "to": "one"},
+                    ]
+                },
+                "three": {"read": "sentence", "over": "objects", "into": "reading"},
+            },
         },
-        "states": {
-            "one": {"transitions": [
-                {"when": FEASIBLE, "to": "two", "do": [{"set": "sentence", "from": "request"}]},
-                {"when": REACHED, "to": "two"},
-            ]},
-            "two": {"transitions": [
-                {"when": REACHED, "to": "three"}, {"on": "next", "when": {"any": [REACHED, ASKED_FOR]}, "to": "one"},
-            ]},
-            "three": {"read": "sentence", "over": "objects", "into": "reading"},
-        },
-    }, MOST, work=math.inf)  # fmt: skip
+        MOST,
+        work=math.inf,
+    )
 
 
 @settings(lenient, max_examples=2)
@@ -278,8 +309,10 @@ test_what_no_guard_looks_at_has_one_value_however_often_it_is_tried = drill(
 
 
 def test_goals_are_judged_by_what_their_scene_is_compared_by() -> None:
-    values = Values(Mission.model_validate(moving(blackboard={**KEYS, "objects": OBJECTS})), Environment(
-        Mission.model_validate(moving())).chart.terms).of("objects")  # fmt: skip
+    values = Values(
+        Mission.model_validate(moving(blackboard={**KEYS, "objects": OBJECTS})),
+        Environment(Mission.model_validate(moving())).chart.terms,
+    ).of("objects")
     seen = [dict(each, looks=looks, stamp_s=1.0) for each in values if each is not None for looks in (0, 7)]
     by_scene: dict[str, set[Any]] = {}
     for each in seen:
@@ -343,17 +376,21 @@ def test_a_mission_with_a_whole_desk_in_sight_is_proved_in_few_steps() -> None:
 def test_an_object_asked_at_once_finds_what_one_asked_field_by_field_finds(guards: list[Json]) -> None:
     one, two, three, four, kept, required = guards
     fields = {"kind": "string", "living": "boolean", "height_m": "number"}
-    hold_against_plain({
-        "name": "asked", "initial": "here", "events": {"go": {}},
-        "blackboard": {"obstacle": {"type": "object", "source": "robot", "max_age_s": 2, "fields": fields}},
-        "invariants": {"kept": {"not": {"all": [{"in": "there"}, kept]}}},
-        "states": {
-            "here": {"transitions": [{"when": one, "to": "there"}, {"on": "go", "when": two, "to": "near"}]},
-            "there": {"transitions": [{"on": "go", "when": three, "to": "near"}]},
-            "near": {"transitions": [{"when": four, "to": "over"}, {"on": "go", "when": one, "to": "here"}]},
-            "over": {"final": "succeeded", "requires": required},
-        },
-    })  # fmt: skip
+    hold_against_plain(
+        {
+            "name": "asked",
+            "initial": "here",
+            "events": {"go": {}},
+            "blackboard": {"obstacle": {"type": "object", "source": "robot", "max_age_s": 2, "fields": fields}},
+            "invariants": {"kept": {"not": {"all": [{"in": "there"}, kept]}}},
+            "states": {
+                "here": {"transitions": [{"when": one, "to": "there"}, {"on": "go", "when": two, "to": "near"}]},
+                "there": {"transitions": [{"on": "go", "when": three, "to": "near"}]},
+                "near": {"transitions": [{"when": four, "to": "over"}, {"on": "go", "when": one, "to": "here"}]},
+                "over": {"final": "succeeded", "requires": required},
+            },
+        }
+    )
 
 
 @pytest.mark.drill

@@ -21,18 +21,28 @@ NEVER: Json = {"never": {"not": {"in": "wrong"}}}
 
 
 def proof_of(states: Json, keys: Json | None = None, **words: Any) -> Proof:
-    return prove(Mission.model_validate({
-        "format": 1, "name": "surroundings", "initial": next(iter(states)), **words,
-        "blackboard": {"at_home": AT_HOME, **(keys or {})}, "states": {**states, "done": DONE, "aborted": ABORTED},
-    }), most=2000)  # fmt: skip
+    return prove(
+        Mission.model_validate(
+            {
+                "format": 1,
+                "name": "surroundings",
+                "initial": next(iter(states)),
+                **words,
+                "blackboard": {"at_home": AT_HOME, **(keys or {})},
+                "states": {**states, "done": DONE, "aborted": ABORTED},
+            }
+        ),
+        most=2000,
+    )
 
 
 def refuted(proof: Proof) -> dict[str, list[str]]:
     """Claim → its run."""
     return {
         each.name: [scene.words for scene in proof.ways.get(each.name, ())]
-        for each in proof.claims if each.verdict == "refuted"
-    }  # fmt: skip
+        for each in proof.claims
+        if each.verdict == "refuted"
+    }
 
 
 # -- events ----------------------------------------------------------------------------------------------------------
@@ -64,9 +74,11 @@ def test_what_a_raised_event_takes_from_a_key_is_distinguished() -> None:
                         {"on": "counted", "to": "counting"}],
     }  # fmt: skip
     proof = proof_of(
-        {"counting": counting, "speaking": message, "wrong": WRONG}, {"many": {"type": "integer", "initial": 0}},
-        events={"next": {}, "stop": {}, "counted": {"fields": {"many": "integer"}}}, invariants=NEVER,
-    )  # fmt: skip
+        {"counting": counting, "speaking": message, "wrong": WRONG},
+        {"many": {"type": "integer", "initial": 0}},
+        events={"next": {}, "stop": {}, "counted": {"fields": {"many": "integer"}}},
+        invariants=NEVER,
+    )
     assert refuted(proof)["invariants"] == ["the mission starts", *["event 'next'"] * 3]
 
 
@@ -153,9 +165,11 @@ BY_ROBOT = {"transitions": [{"on": "next", "do": [{"set": "jobs", "from": "seen"
 ], ids=["a result", "an event", "a copy of what the robot reports"])  # fmt: skip
 def test_a_list_that_was_given_has_any_length_and_any_items(first: Json, keys: Json) -> None:
     proof = proof_of(
-        {"first": first, **ROUND}, {"jobs": {"type": "list", "initial": []}, **JOBS, **keys}, invariants=NEVER,
+        {"first": first, **ROUND},
+        {"jobs": {"type": "list", "initial": []}, **JOBS, **keys},
+        invariants=NEVER,
         events={"next": {}, "got": {"fields": {"jobs": "list"}}},
-    )  # fmt: skip
+    )
     assert "invariants" in refuted(proof) and proof.never == ("done",)
 
 
@@ -192,12 +206,16 @@ def test_two_rounds_of_one_list_each_look_at_its_items_in_their_own_way() -> Non
                 "transitions": transitions}  # fmt: skip
 
     proof = proof_of(
-        {"first": going("one", "log", 1, [{"on": "succeeded", "to": "second"}, {"on": "failed", "to": "aborted"}]),
-         "second": going("two", "stone", 2, [{"on": "succeeded", "to": "driving"}, {"on": "failed", "to": "aborted"}]),
-         "driving": DRIVING},
+        {
+            "first": going("one", "log", 1, [{"on": "succeeded", "to": "second"}, {"on": "failed", "to": "aborted"}]),
+            "second": going(
+                "two", "stone", 2, [{"on": "succeeded", "to": "driving"}, {"on": "failed", "to": "aborted"}]
+            ),
+            "driving": DRIVING,
+        },
         {"jobs": {"type": "list", "source": "argument"}, "one": {"type": "string"}, "two": {"type": "string"}},
         events={"next": {}},
-    )  # fmt: skip
+    )
     assert refuted(proof) == {} and proof.never == ()
 
 
@@ -258,5 +276,6 @@ def test_a_run_that_ends_for_another_reason_does_not_show_what_was_reported(tmp_
     })  # fmt: skip
     reported = prove(mission).ways["invariants"]  # the two guards ripen at one instant, and the transition comes first
     assert (reported[-1].outcome, record(tmp_path / "reported.journal", Header(dump(mission)), mission, reported)) == (
-        "aborted", False,
-    )  # fmt: skip
+        "aborted",
+        False,
+    )

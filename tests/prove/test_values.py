@@ -85,8 +85,9 @@ def test_numbers_next_to_an_argument_are_as_many_as_the_comparisons_distinguish(
     goal: Json = {"type": "integer", "source": "argument", "initial": 6}
     done: Json = {"type": "integer", "source": "robot", "max_age_s": 5}
     either_way: list[list[Json]] = [
-        [{"key": "done", op: {"key": "goal"}} for op in ops], [{"key": "goal", op: {"key": "done"}} for op in ops]
-    ]  # fmt: skip
+        [{"key": "done", op: {"key": "goal"}} for op in ops],
+        [{"key": "goal", op: {"key": "done"}} for op in ops],
+    ]
     for guards in either_way:
         values = environment(*guards, goal=goal, done=done).world.values.of("done")
         assert values[0] is None and len(values) == 1 + many
@@ -135,7 +136,11 @@ def counting(guard: Json, *do: Json) -> Mission:
 def test_a_comparison_with_what_is_never_written_is_proved_as_one_with_its_value(guard: Json, literal: Json) -> None:
     found, expected = prove(counting(guard)), prove(counting(literal))
     assert found.sampled == () and (found.claims, found.states, found.steps, found.never) == (
-        expected.claims, expected.states, expected.steps, expected.never)  # fmt: skip
+        expected.claims,
+        expected.states,
+        expected.steps,
+        expected.never,
+    )
 
 
 def test_a_comparison_with_what_is_written_is_tried_with_some_values_only() -> None:
@@ -211,10 +216,16 @@ def test_a_pose_that_guards_look_into_is_anywhere(ways: tuple[Json, ...], sample
 def test_objects_that_are_compared_as_a_whole_are_tried_with_some_values_only(kind: str, op: str) -> None:
     keys = {"seen": {"type": kind, "source": "robot"}, "given": {"type": kind, "source": "argument"}}
     guard = {"key": "seen", op: {"key": "given"}}
-    assert prove(Mission.model_validate({
-        "name": "asked", "initial": "here", "blackboard": keys,
-        "states": {"here": {"transitions": [{"when": guard, "to": "end"}]}, "end": {"final": "aborted"}},
-    })).sampled == ("seen",)  # fmt: skip
+    assert prove(
+        Mission.model_validate(
+            {
+                "name": "asked",
+                "initial": "here",
+                "blackboard": keys,
+                "states": {"here": {"transitions": [{"when": guard, "to": "end"}]}, "end": {"final": "aborted"}},
+            }
+        )
+    ).sampled == ("seen",)
 
 
 def test_what_is_compared_with_what_a_tree_reports_can_be_the_same() -> None:

@@ -102,8 +102,11 @@ class Drawn:
             return {word: r.choice([2, 3, 20]), "child": self.node(depth - 1)}
         if word == "forever":
             return {"repeat": -1, "child": {"sequence": [{"wait_s": r.choice(SPANS)}, self.node(depth - 1)]}}
-        return {"timeout": r.choice([2.5, 7.5]), "child": self.node(depth - 1)} if word == "timeout" else {
-            word: self.node(depth - 1)}  # fmt: skip
+        return (
+            {"timeout": r.choice([2.5, 7.5]), "child": self.node(depth - 1)}
+            if word == "timeout"
+            else {word: self.node(depth - 1)}
+        )
 
     def state(self, depth: int = 1) -> Json:
         r = self.r
@@ -133,9 +136,13 @@ class Drawn:
         for number in range(2):
             name = f"r{number}{len(self.names)}{r.randint(0, 10**6)}"
             inner = [f"{name}a", f"{name}b"]
-            regions[name] = {"initial": inner[0], "states": {
-                each: {"transitions": [{**r.choice([{"on": "go"}, {"after_s": r.choice(SPANS)}]), "to": other}]}
-                for each, other in zip(inner, reversed(inner), strict=True)}}  # fmt: skip
+            regions[name] = {
+                "initial": inner[0],
+                "states": {
+                    each: {"transitions": [{**r.choice([{"on": "go"}, {"after_s": r.choice(SPANS)}]), "to": other}]}
+                    for each, other in zip(inner, reversed(inner), strict=True)
+                },
+            }
         return {**made, "parallel": regions, "transitions": self.transitions([{"on": "stop"}])}
 
     def mission(self) -> Json:
@@ -151,9 +158,15 @@ class Drawn:
         states |= {"over": {"final": "aborted"}, "done": done}
         events = self.reach(states)
         return {
-            "format": 1, "name": "walk", "version": "1.0.0", "blackboard": KEYS,
-            "events": {event: {} for event in (*EVENTS, *events)}, "initial": self.names[0], "states": states, **words,
-        }  # fmt: skip
+            "format": 1,
+            "name": "walk",
+            "version": "1.0.0",
+            "blackboard": KEYS,
+            "events": {event: {} for event in (*EVENTS, *events)},
+            "initial": self.names[0],
+            "states": states,
+            **words,
+        }
 
     def reach(self, states: Json) -> list[str]:
         """Have every state be entered from one before it, by an event of its own where nothing leads there."""

@@ -228,9 +228,29 @@ FORGED: list[object] = [
 DEEDS: dict[str, Callable[[list[BaseMessage], str], Any]] = {
     deed.__name__: deed
     for deed in (
-        answers, repeats, hangs, holds, holds_once, exits, crashes, grows, grows_elsewhere, threads, spins, pools,
-        ignores, leaves_children, kills_its_guard, stops_its_guard, looks, raises, exits_politely, reports_its_start,
-        writes_noise, floods, forges,
+        answers,
+        repeats,
+        hangs,
+        holds,
+        holds_once,
+        exits,
+        crashes,
+        grows,
+        grows_elsewhere,
+        threads,
+        spins,
+        pools,
+        ignores,
+        leaves_children,
+        kills_its_guard,
+        stops_its_guard,
+        looks,
+        raises,
+        exits_politely,
+        reports_its_start,
+        writes_noise,
+        floods,
+        forges,
     )
-}  # fmt: skip
+}
 DEEDS["opens_late"] = answers

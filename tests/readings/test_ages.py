@@ -72,9 +72,9 @@ def looked_at(given_: list[Reading]) -> dict[float, bool | None]:
             "end": {"final": "aborted"}}  # fmt: skip
     rig = Rig(asks)
     rig.stage.period_s = 0.05
-    rig.stage.play({
-        each.received: lambda each=each: rig.connector.publish("/battery", BATTERY, each.message()) for each in given_
-    })  # fmt: skip
+    rig.stage.play(
+        {each.received: lambda each=each: rig.connector.publish("/battery", BATTERY, each.message()) for each in given_}
+    )
     moments = [round(tick / 5 + 0.05, 6) for tick in range(round(ENDS_AT * 5))]
     rig.stage.play({at: lambda: rig.post("go") for at in moments})
     rig.stage.play({ENDS_AT: lambda: rig.post("stop_now")})

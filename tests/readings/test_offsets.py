@@ -54,8 +54,9 @@ def test_a_refused_start_names_a_source_whose_stamps_are_behind(caplog: pytest.L
 
 @pytest.mark.parametrize("behind_s", [-2.0, 0.5])
 def test_a_source_that_is_off_and_fresh_all_the_same_is_reported_and_the_mission_starts(behind_s: float) -> None:
-    rig = Rig(mission({"on": {"transitions": [{"after_s": 1, "to": "end"}]}, "end": {"final": "aborted"}},
-                      blackboard=NEEDED))  # fmt: skip
+    rig = Rig(
+        mission({"on": {"transitions": [{"after_s": 1, "to": "end"}]}, "end": {"final": "aborted"}}, blackboard=NEEDED)
+    )
     publishes(rig, behind_s)
     assert rig.run().outcome == "aborted"
     state = rig.runner.view.source("battery")
@@ -63,8 +64,9 @@ def test_a_source_that_is_off_and_fresh_all_the_same_is_reported_and_the_mission
 
 
 def test_a_source_that_is_right_is_not_reported(caplog: pytest.LogCaptureFixture) -> None:
-    rig = Rig(mission({"on": {"transitions": [{"after_s": 1, "to": "end"}]}, "end": {"final": "aborted"}},
-                      blackboard=NEEDED))  # fmt: skip
+    rig = Rig(
+        mission({"on": {"transitions": [{"after_s": 1, "to": "end"}]}, "end": {"final": "aborted"}}, blackboard=NEEDED)
+    )
     publishes(rig, 0.15)
     with caplog.at_level(logging.INFO):
         rig.run()
@@ -75,8 +77,12 @@ def test_a_source_that_is_right_is_not_reported(caplog: pytest.LogCaptureFixture
 def test_what_was_received_and_not_understood_is_named_with_its_value() -> None:
     keys = {**NEEDED, "there": {**KEYS["there"], "optional": False}}
     rig = Rig(mission({"end": {"final": "aborted"}}, blackboard=keys, ready_s=2))
-    rig.stage.play({0.5: lambda: rig.publish("/battery", percentage=float("nan")),
-                    0.6: lambda: rig.publish("/there", data="perhaps")})  # fmt: skip
+    rig.stage.play(
+        {
+            0.5: lambda: rig.publish("/battery", percentage=float("nan")),
+            0.6: lambda: rig.publish("/there", data="perhaps"),
+        }
+    )
     with pytest.raises(UsageError) as refused:
         rig.run()
     assert "battery was received and not understood: percentage is nan" in str(refused.value)
@@ -86,8 +92,12 @@ def test_what_was_received_and_not_understood_is_named_with_its_value() -> None:
 
 def test_a_reading_that_is_understood_counts_although_one_before_was_not() -> None:
     rig = Rig(mission({"end": {"final": "aborted"}}, blackboard=NEEDED))
-    rig.stage.play({0.5: lambda: rig.publish("/battery", percentage=float("nan")),
-                    0.7: lambda: rig.publish("/battery", percentage=0.5)})  # fmt: skip
+    rig.stage.play(
+        {
+            0.5: lambda: rig.publish("/battery", percentage=float("nan")),
+            0.7: lambda: rig.publish("/battery", percentage=0.5),
+        }
+    )
     assert rig.run().duration_s == pytest.approx(0.7)
 
 

@@ -89,12 +89,16 @@ KEYS = {
     "m": {"type": "integer", "source": "argument", "initial": 2},
     "spoken": {"type": "string", "source": "mission", "initial": ""},
 }
-FORESTER = FARMER.model_copy(update={
-    "blackboard": {name: FARMER.blackboard["clear"].model_copy(update={"topic": f"/{name}"}) for name in ("a", "b")},
-    "actions": {"drive": FARMER.actions["drive"]},
-    "topics": {"spoken": FARMER.topics["lamp"]},
-    "events": {"poke": FARMER.events["poke"]},
-})  # fmt: skip
+FORESTER = FARMER.model_copy(
+    update={
+        "blackboard": {
+            name: FARMER.blackboard["clear"].model_copy(update={"topic": f"/{name}"}) for name in ("a", "b")
+        },
+        "actions": {"drive": FARMER.actions["drive"]},
+        "topics": {"spoken": FARMER.topics["lamp"]},
+        "events": {"poke": FARMER.events["poke"]},
+    }
+)
 
 
 def groves() -> list[Mission]:
@@ -113,11 +117,21 @@ def groves() -> list[Mission]:
     def draw(tree: dict[str, Any]) -> None:
         ends = [{"on": "succeeded", "to": "done"}, {"on": ["failed", "timed_out"], "to": "again"}]
         again = [{"after_s": 1, "to": "growing"}]
-        found.append(Mission.model_validate({
-            "name": "grove", "blackboard": KEYS, "events": {"poke": {}}, "initial": "growing",
-            "states": {"growing": {"tree": tree, "timeout_s": 8, "transitions": ends},
-                       "again": {"transitions": again}, "done": {"final": "canceled"}},
-        }))  # fmt: skip
+        found.append(
+            Mission.model_validate(
+                {
+                    "name": "grove",
+                    "blackboard": KEYS,
+                    "events": {"poke": {}},
+                    "initial": "growing",
+                    "states": {
+                        "growing": {"tree": tree, "timeout_s": 8, "transitions": ends},
+                        "again": {"transitions": again},
+                        "done": {"final": "canceled"},
+                    },
+                }
+            )
+        )
 
     draw()
     return found

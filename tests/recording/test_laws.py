@@ -62,8 +62,13 @@ def test_a_recording_is_replayed_as_its_journal_is(
     clock = SimulatedClock()
     made = recording(folder / "run.mcap", mission=mission, now=clock.now)
     with Journal.create(folder / "run.journal", Header(dump(mission)), witness=made.row) as journal:
-        runner = Runner(mission, connector=LocalConnector(now=clock.now), clock=clock, journal=journal,
-                        observer=RunObserver(made.step, made.status))  # fmt: skip
+        runner = Runner(
+            mission,
+            connector=LocalConnector(now=clock.now),
+            clock=clock,
+            journal=journal,
+            observer=RunObserver(made.step, made.status),
+        )
         for name in data.draw(st.lists(st.sampled_from(EVENTS), max_size=6)):
             runner.post(Event(name))
         runner.kill()

@@ -136,16 +136,26 @@ def test_foxgloves_own_schemas_have_the_fields_that_it_publishes(run: ReadRecord
         assert kinds == fields
         assert properties["timestamp"]["properties"].keys() == {"sec", "nsec"}
     assert [each["title"] for each in found["foxglove.Log"]["properties"]["level"]["oneOf"]] == [
-        "UNKNOWN", "DEBUG", "INFO", "WARNING", "ERROR", "FATAL",
-    ]  # fmt: skip
+        "UNKNOWN",
+        "DEBUG",
+        "INFO",
+        "WARNING",
+        "ERROR",
+        "FATAL",
+    ]
 
 
 def test_a_picture_is_one_that_foxglove_shows(run: ReadRecording) -> None:
     raw, compressed = sorted(run.messages["/camera"], key=lambda each: "format" in each)
     assert base64.b64decode(raw.pop("data")) == PIXELS
     assert {**raw, "timestamp": 0} == {
-        "timestamp": 0, "frame_id": "eye", "width": 2, "height": 2, "encoding": "rgb8", "step": 6,
-    }  # fmt: skip
+        "timestamp": 0,
+        "frame_id": "eye",
+        "width": 2,
+        "height": 2,
+        "encoding": "rgb8",
+        "step": 6,
+    }
     assert base64.b64decode(compressed["data"]) == PNG and compressed["format"] == "png"
 
 
@@ -219,9 +229,13 @@ def test_calls_and_goals_are_kept_with_their_ends(tmp_path: Path) -> None:
     assert (replies[0].outcome, *(each.status for each in reports)) == ("succeeded", "rejected", "lost")
     calls, goals = (kept(tmp_path / "run.mcap").messages[f"/rai_missions/{name}"] for name in ("calls", "goals"))
     assert calls[0] | {"seconds": 0} == {
-        "service": "/horn", "request": '{"for_s": 1}', "seconds": 0, "outcome": "succeeded", "why": "",
+        "service": "/horn",
+        "request": '{"for_s": 1}',
+        "seconds": 0,
+        "outcome": "succeeded",
+        "why": "",
         "data": {"success": True, "loud": "nan", "raw": "AQ=="},
-    }  # fmt: skip
+    }
     reported = [(each["action"], each["goal_id"], each["said"]) for each in goals]
     assert reported == [("/go", "g1", "rejected"), ("/go", "g0", "lost")], (
         "a run that continues asks for the goals before it"

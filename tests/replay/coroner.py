@@ -156,8 +156,8 @@ class Inquest(Coroner):
         step = given[0] if what == "write" else None
         unaccepted = self._land.unaccepted.keys()
         is_so = {
-            "between a step's row and its effects":
-                (step is not None and is_done and needs_confirmation(step)) or (what in CARRIED_OUT and not is_done),
+            "between a step's row and its effects": (step is not None and is_done and needs_confirmation(step))
+            or (what in CARRIED_OUT and not is_done),
             "done and not confirmed": (what in CARRIED_OUT and is_done) or (what == "confirm" and not is_done),
             "in a transition": step is not None and bool(step.moves),
             "in a decision": runner.view.thinking,
@@ -169,7 +169,7 @@ class Inquest(Coroner):
             "in the resume itself": self._continuing,
             "before the start": chart.mode == "ready",
             "paused": chart.mode == "paused",
-        }  # fmt: skip
+        }
         return frozenset(name for name, so in is_so.items() if so)
 
     def died(self, runner: Runner, fate: Fate) -> None:

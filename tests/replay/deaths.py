@@ -78,8 +78,12 @@ class Nursery:
         self._folder, self._reports = folder, Inbox[dict[str, Any]](PATIENCE_S)
         self._process = subprocess.Popen(
             [sys.executable, "-W", "ignore", "-m", "tests.replay.zygote", str(folder)],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=ROOT, env=dict(environment),
-        )  # fmt: skip
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+            cwd=ROOT,
+            env=dict(environment),
+        )
         self._reader = threading.Thread(target=self._read)
         self._reader.start()
         self._count = 0

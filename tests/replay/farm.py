@@ -22,38 +22,47 @@ def composed(name: str, *, repeat: bool) -> dict[str, Any]:
             "uses": [name], "repeat": repeat}  # fmt: skip
 
 
-FARMER = Robot.model_validate({
-    "name": "farmer",
-    "blackboard": {
-        "hauls": {"topic": "/hauls", "type": "std_msgs/msg/Int32"},
-        "tows": {"topic": "/tows", "type": "std_msgs/msg/Int32"},
-        "battery": {"topic": "/battery", "type": "std_msgs/msg/Float64"},
-        "clear": {"topic": "/clear", "type": "std_msgs/msg/Bool"},
-        "pose": {"topic": "/pose", "type": "geometry_msgs/msg/PoseStamped"},
-        "obstacle": {"topic": "/obstacle", "type": "std_msgs/msg/String", "json": True},
-        "objects": {"topic": "/objects", "type": "std_msgs/msg/String", "json": True},
-    },
-    "actions": {
-        **{name: {"action": f"/{name}", "type": ACTION, "uses": ["head" if name == "look" else "base"]}
-           for name in ACTIONS},
-        "kept": {"action": "/look", "type": ACTION, "uses": ["head"], "keep": True},
-        "haul": composed("haul", repeat=False),
-        "tow": composed("tow", repeat=True),
-    },
-    "services": {
-        "horn": {"service": "/horn", "type": TRIGGER, "repeat": True},
-        "lamp": {"service": "/lamp", "type": TRIGGER},
-        "replan": {"service": "/replan", "type": TRIGGER},
-    },
-    "topics": {
-        "light": {"topic": "/lamp_topic", "type": "std_msgs/msg/Bool", "repeat": True},
-        "lamp": {"topic": "/once_topic", "type": "std_msgs/msg/Bool"},
-        "say": {"topic": "/spoken", "type": "std_msgs/msg/String", "repeat": True},
-    },
-    "events": {name: {"posted": True} for name in ("go", "anomaly", "halt", "poke", "hint")},
-    "control": {"agent": "/to_agent", "autonomy": "/to_autonomy", "operator": "/to_operator", "nobody": "/to_nobody"},
-    "holder": {"topic": "/holder", "type": "std_msgs/msg/String"},
-})  # fmt: skip
+FARMER = Robot.model_validate(
+    {
+        "name": "farmer",
+        "blackboard": {
+            "hauls": {"topic": "/hauls", "type": "std_msgs/msg/Int32"},
+            "tows": {"topic": "/tows", "type": "std_msgs/msg/Int32"},
+            "battery": {"topic": "/battery", "type": "std_msgs/msg/Float64"},
+            "clear": {"topic": "/clear", "type": "std_msgs/msg/Bool"},
+            "pose": {"topic": "/pose", "type": "geometry_msgs/msg/PoseStamped"},
+            "obstacle": {"topic": "/obstacle", "type": "std_msgs/msg/String", "json": True},
+            "objects": {"topic": "/objects", "type": "std_msgs/msg/String", "json": True},
+        },
+        "actions": {
+            **{
+                name: {"action": f"/{name}", "type": ACTION, "uses": ["head" if name == "look" else "base"]}
+                for name in ACTIONS
+            },
+            "kept": {"action": "/look", "type": ACTION, "uses": ["head"], "keep": True},
+            "haul": composed("haul", repeat=False),
+            "tow": composed("tow", repeat=True),
+        },
+        "services": {
+            "horn": {"service": "/horn", "type": TRIGGER, "repeat": True},
+            "lamp": {"service": "/lamp", "type": TRIGGER},
+            "replan": {"service": "/replan", "type": TRIGGER},
+        },
+        "topics": {
+            "light": {"topic": "/lamp_topic", "type": "std_msgs/msg/Bool", "repeat": True},
+            "lamp": {"topic": "/once_topic", "type": "std_msgs/msg/Bool"},
+            "say": {"topic": "/spoken", "type": "std_msgs/msg/String", "repeat": True},
+        },
+        "events": {name: {"posted": True} for name in ("go", "anomaly", "halt", "poke", "hint")},
+        "control": {
+            "agent": "/to_agent",
+            "autonomy": "/to_autonomy",
+            "operator": "/to_operator",
+            "nobody": "/to_nobody",
+        },
+        "holder": {"topic": "/holder", "type": "std_msgs/msg/String"},
+    }
+)
 
 
 class Farm(Land):
@@ -67,9 +76,12 @@ class Farm(Land):
     """
 
     def __init__(
-        self, wishes: Sequence[Wish] = (), lasts_s: Mapping[str, float] | None = None,
-        ends: Mapping[str, str] | None = None, silent: frozenset[str] = frozenset(),
-    ) -> None:  # fmt: skip
+        self,
+        wishes: Sequence[Wish] = (),
+        lasts_s: Mapping[str, float] | None = None,
+        ends: Mapping[str, str] | None = None,
+        silent: frozenset[str] = frozenset(),
+    ) -> None:
         lasts = {**dict.fromkeys(ACTIONS, 3.0), "haul": 3.0, "tow": 3.0, **(lasts_s or {})}
         self.composed = {name: lasts.pop(name) for name in ("haul", "tow")}
         super().__init__(wishes, lasts, ends or {})

@@ -293,9 +293,15 @@ class MortalClock:
 
 
 def live(
-    path: Path, land: Land, mission: Mission, robot: Robot, answerers: Mapping[str, Any], fate: Fate,
-    named: Mapping[str, Any] | None = None, coroner: Coroner | None = None,
-) -> Result | None:  # fmt: skip
+    path: Path,
+    land: Land,
+    mission: Mission,
+    robot: Robot,
+    answerers: Mapping[str, Any],
+    fate: Fate,
+    named: Mapping[str, Any] | None = None,
+    coroner: Coroner | None = None,
+) -> Result | None:
     """One process: begins the run, or continues with the one that the journal holds; None if it died."""
     clock: Clock = SimulatedClock(land)
     coroner = coroner or Coroner()
@@ -310,11 +316,15 @@ def live(
     connector: Any = Mortal(land.connector, fate)
     try:
         runner = land.runner = Runner(
-            mission, robot=robot, connector=connector, clock=MortalClock(clock, fate),
+            mission,
+            robot=robot,
+            connector=connector,
+            clock=MortalClock(clock, fate),
             answerers={name: Mortal(each, fate) for name, each in answerers.items()},
-            journal=Mortal(NotedJournal(journal, lambda: coroner.wrote(runner)), fate), observer=RunObserver(land.look),
+            journal=Mortal(NotedJournal(journal, lambda: coroner.wrote(runner)), fate),
+            observer=RunObserver(land.look),
             begin=taken.resumption if taken is not None else NewRun(named=named, run="run"),
-        )  # fmt: skip
+        )
         fate.mourn = lambda: coroner.died(runner, fate)
         if land.keeps_time and taken is not None:
             land.wish_again()

@@ -62,9 +62,14 @@ def serve(name: str) -> None:
         return answer
 
     ActionServer(
-        node, Fibonacci, f"/{name}/move", execute, goal_callback=decide,
-        cancel_callback=lambda handle: CancelResponse.ACCEPT, callback_group=group,
-    )  # fmt: skip
+        node,
+        Fibonacci,
+        f"/{name}/move",
+        execute,
+        goal_callback=decide,
+        cancel_callback=lambda handle: CancelResponse.ACCEPT,
+        callback_group=group,
+    )
     for service in ("horn", "lamp"):
         node.create_service(Trigger, f"/{name}/{service}", answering(service), callback_group=group)
     node.create_subscription(Bool, f"/{name}/light", lambda received: report_line("light"), 10, callback_group=group)

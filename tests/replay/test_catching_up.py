@@ -100,8 +100,11 @@ def test_a_cancel_that_is_sent_late_may_be_confirmed_late(tmp_path: Path) -> Non
         rig.turn.report("succeeded")
 
     words = {"cancel_s": 1}
-    steps = resumed(tmp_path / "run.journal", {**states, "moving": {**states["moving"], **words}},
-                    {0.5: lambda rig: rig.post("go"), 2.5: turned})  # fmt: skip
+    steps = resumed(
+        tmp_path / "run.journal",
+        {**states, "moving": {**states["moving"], **words}},
+        {0.5: lambda rig: rig.post("go"), 2.5: turned},
+    )
     assert reached(steps)[0] == "early"
 
 

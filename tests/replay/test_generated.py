@@ -62,8 +62,11 @@ def test_ten_thousand_kills_at_instants_of_every_kind(tmp_path: Path, capsys: py
             compared[found.compared] += 1
             if runs % 100 == 0 or count >= KILLS:
                 with capsys.disabled():
-                    print(f"\n{count} kills of {runs} runs in {time.monotonic() - began:.0f} s; "  # noqa: T201
-                          f"{dict(compared)}; {dict(kinds.most_common())}", flush=True)  # fmt: skip
+                    print(  # noqa: T201
+                        f"\n{count} kills of {runs} runs in {time.monotonic() - began:.0f} s; "
+                        f"{dict(compared)}; {dict(kinds.most_common())}",
+                        flush=True,
+                    )
             if count >= KILLS:
                 break
     finally:

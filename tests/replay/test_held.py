@@ -29,13 +29,15 @@ DOCUMENT: dict[str, Any] = {
 }  # fmt: skip
 STATES = DOCUMENT["states"]
 MISSION = Mission.model_validate(DOCUMENT)
-ROBOT = Robot.model_validate({
-    "name": "watched",
-    "actions": {"move": {"action": "/move", "type": "x/action/X", "uses": ["base"]}},
-    "events": {"go": {"posted": True}},
-    "control": {holder: f"/to_{holder}" for holder in ("agent", "autonomy", "operator", "nobody")},
-    "holder": {"topic": "/holder", "type": "std_msgs/msg/String"},
-})  # fmt: skip
+ROBOT = Robot.model_validate(
+    {
+        "name": "watched",
+        "actions": {"move": {"action": "/move", "type": "x/action/X", "uses": ["base"]}},
+        "events": {"go": {"posted": True}},
+        "control": {holder: f"/to_{holder}" for holder in ("agent", "autonomy", "operator", "nobody")},
+        "holder": {"topic": "/holder", "type": "std_msgs/msg/String"},
+    }
+)
 ENDED = Ended("canceled", "'over' was reached")
 
 

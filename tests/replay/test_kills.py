@@ -73,9 +73,15 @@ class Ended(NamedTuple):
 
 
 def lived(
-    path: Path, there: Land, fates: list[Fate], mission: Mission = MISSION, robot: Robot = ROBOT, dead_s: float = 0.0,
-    answerers: Mapping[str, Any] | None = None, named: Mapping[str, Any] | None = None,
-) -> Ended:  # fmt: skip
+    path: Path,
+    there: Land,
+    fates: list[Fate],
+    mission: Mission = MISSION,
+    robot: Robot = ROBOT,
+    dead_s: float = 0.0,
+    answerers: Mapping[str, Any] | None = None,
+    named: Mapping[str, Any] | None = None,
+) -> Ended:
     """Die as often as there are fates, then live to the end; between two lives the robot is alone for a while."""
     answerers = answerers if answerers is not None else {"someone": ReplyingAnswerer("on")}
     for fate in (*fates, Fate()):

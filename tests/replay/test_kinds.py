@@ -72,8 +72,10 @@ def post(name: str) -> Callable[[Any], None]:
     return lambda runner: runner.post(Event(name, runner.view.now()))
 
 
-PAUSED = (Wish(2.0, lambda runner: runner.pause(), is_mode("paused")),
-          Wish(6.0, lambda runner: runner.resume(), is_mode("running")))  # fmt: skip
+PAUSED = (
+    Wish(2.0, lambda runner: runner.pause(), is_mode("paused")),
+    Wish(6.0, lambda runner: runner.resume(), is_mode("running")),
+)
 
 
 class Work(py_trees.behaviour.Behaviour):
@@ -97,45 +99,112 @@ KINDS = {
     "paused_and_kept": Kind(made({"looking": do("kept"), **DONE}), PAUSED),
     "canceled": Kind(
         made({"moving": do("move", then="done"), "tidying": do("turn"), **DONE}, on_cancel="tidying", cancel_s=30),
-        (Wish(2.0, lambda runner: runner.cancel(), is_mode("canceling")),)),
-    "handed_over": Kind(made({
-        "first": do("move", control="agent", then="second"), "second": do("turn", control="autonomy"), **DONE})),
-    "each": Kind(made({"tour": {
-        "each": "stops", "as": "stop", "initial": "going",
-        "states": {"going": do("move", then="there"), "there": {"final": "succeeded"}},
-        "transitions": [{"on": "succeeded", "to": "done"}]}, **DONE})),
-    "history": Kind(made({
-        "working": {"initial": "one", "states": {
-            "one": do("move", then="two"), "two": do("turn"), "back": {"history": "deep"}},
-            "transitions": [{"on": "poke", "when": {"key": "count", "<": 1}, "to": "aside"}]},
-        "aside": {"entry": [{"set": "count", "add": 1}], "transitions": [{"after_s": 2, "to": "back"}]}, **DONE}),
-        (Wish(4.0, post("poke"), lambda runner: runner.view.board["count"].value == 1),)),
-    "raised_later": Kind(made({
-        "first": {"entry": [{"raise": "go", "after_s": 6, "id": "x"}], "transitions": [{"after_s": 2, "to": "second"}]},
-        "second": {"transitions": [{"on": "go", "to": "done"}]}, **DONE})),
-    "effects": Kind(made({
-        "first": {"entry": [{"call": "horn"}, {"say": "go"}, {"publish": "light", "message": {"data": True}}],
-                  "transitions": [{"after_s": 2, "to": "done", "do": [{"say": "over"}]}]}, **DONE})),
+        (Wish(2.0, lambda runner: runner.cancel(), is_mode("canceling")),),
+    ),
+    "handed_over": Kind(
+        made({"first": do("move", control="agent", then="second"), "second": do("turn", control="autonomy"), **DONE})
+    ),
+    "each": Kind(
+        made(
+            {
+                "tour": {
+                    "each": "stops",
+                    "as": "stop",
+                    "initial": "going",
+                    "states": {"going": do("move", then="there"), "there": {"final": "succeeded"}},
+                    "transitions": [{"on": "succeeded", "to": "done"}],
+                },
+                **DONE,
+            }
+        )
+    ),
+    "history": Kind(
+        made(
+            {
+                "working": {
+                    "initial": "one",
+                    "states": {"one": do("move", then="two"), "two": do("turn"), "back": {"history": "deep"}},
+                    "transitions": [{"on": "poke", "when": {"key": "count", "<": 1}, "to": "aside"}],
+                },
+                "aside": {"entry": [{"set": "count", "add": 1}], "transitions": [{"after_s": 2, "to": "back"}]},
+                **DONE,
+            }
+        ),
+        (Wish(4.0, post("poke"), lambda runner: runner.view.board["count"].value == 1),),
+    ),
+    "raised_later": Kind(
+        made(
+            {
+                "first": {
+                    "entry": [{"raise": "go", "after_s": 6, "id": "x"}],
+                    "transitions": [{"after_s": 2, "to": "second"}],
+                },
+                "second": {"transitions": [{"on": "go", "to": "done"}]},
+                **DONE,
+            }
+        )
+    ),
+    "effects": Kind(
+        made(
+            {
+                "first": {
+                    "entry": [{"call": "horn"}, {"say": "go"}, {"publish": "light", "message": {"data": True}}],
+                    "transitions": [{"after_s": 2, "to": "done", "do": [{"say": "over"}]}],
+                },
+                **DONE,
+            }
+        )
+    ),
     "composed_and_repeatable": Kind(made({"towing": do("tow"), **DONE})),
     "python": Kind(in_python()),
-    "named": Kind(made({
-        "moving": do("move", then="asking"),
-        "asking": {"transitions": [{"when": {"named": "is_good"}, "to": "done"},
-                                   {"when": {"not": {"named": "is_good"}}, "to": "lost"}]}, **DONE}),
-        named={"is_good": lambda known, **_: known.get("battery", 0.0) > 0.5}),
-    "goal_open_at_the_end": Kind(made({
-        "moving": {"action": "move", "timeout_s": 60, "transitions": [{"on": "poke", "to": "done"}]}, **DONE}),
-        (Wish(1.0, post("poke"), is_in("done")),)),
-    "decided_late": Kind(made({
-        "moving": do("move", then="asking"),
-        "asking": {"decision": {"question": "?", "options": {"on": {"about": "", "when": {"key": "battery", ">": 0.5}},
-                                                             "off": {"about": "off"}},
-                                "ask": ["someone"], "deadline_s": 20, "fallback": "off"},
-                   "transitions": [{"on": "on", "to": "done"}, {"on": "off", "to": "lost"}]}, **DONE})),
-    "held": Kind(made({
-        "waiting": {"transitions": [
-            {"when": {"held": {"key": "battery", ">": 0.5}, "for_s": 3}, "to": "done"}]}, **DONE})),
-}  # fmt: skip
+    "named": Kind(
+        made(
+            {
+                "moving": do("move", then="asking"),
+                "asking": {
+                    "transitions": [
+                        {"when": {"named": "is_good"}, "to": "done"},
+                        {"when": {"not": {"named": "is_good"}}, "to": "lost"},
+                    ]
+                },
+                **DONE,
+            }
+        ),
+        named={"is_good": lambda known, **_: known.get("battery", 0.0) > 0.5},
+    ),
+    "goal_open_at_the_end": Kind(
+        made({"moving": {"action": "move", "timeout_s": 60, "transitions": [{"on": "poke", "to": "done"}]}, **DONE}),
+        (Wish(1.0, post("poke"), is_in("done")),),
+    ),
+    "decided_late": Kind(
+        made(
+            {
+                "moving": do("move", then="asking"),
+                "asking": {
+                    "decision": {
+                        "question": "?",
+                        "options": {"on": {"about": "", "when": {"key": "battery", ">": 0.5}}, "off": {"about": "off"}},
+                        "ask": ["someone"],
+                        "deadline_s": 20,
+                        "fallback": "off",
+                    },
+                    "transitions": [{"on": "on", "to": "done"}, {"on": "off", "to": "lost"}],
+                },
+                **DONE,
+            }
+        )
+    ),
+    "held": Kind(
+        made(
+            {
+                "waiting": {
+                    "transitions": [{"when": {"held": {"key": "battery", ">": 0.5}, "for_s": 3}, "to": "done"}]
+                },
+                **DONE,
+            }
+        )
+    ),
+}
 
 
 def farm(kind: Kind) -> Farm:

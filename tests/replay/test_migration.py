@@ -231,10 +231,12 @@ def test_a_question_that_is_as_it_was_is_asked_again_and_another_is_not(tmp_path
 def test_keys_carry_their_values_under_their_new_names(tmp_path: Path) -> None:
     there = land()
     now = changed(
-        (("blackboard", "rounds"), None), (("blackboard", "place"), None),
-        (("blackboard", "tours"), {"type": "integer", "initial": 7}), (("blackboard", "mood"), {"type": "string"}),
+        (("blackboard", "rounds"), None),
+        (("blackboard", "place"), None),
+        (("blackboard", "tours"), {"type": "integer", "initial": 7}),
+        (("blackboard", "mood"), {"type": "string"}),
         ((*BODY, "moving", "entry"), [{"set": "tours", "add": 1}]),
-    )  # fmt: skip
+    )
     path = moved(tmp_path, there, now, keys={"rounds": "tours", "place": None}, values={"mood": "good"})
     taken = open_run(path)
     board = taken.resumption.chart.view.board

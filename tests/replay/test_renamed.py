@@ -44,9 +44,12 @@ def otherwise(mission: Mission) -> tuple[Mission, Map]:
     """The mission with other names for all its states, keys and events, and the map into it."""
     states, keys, events = {name for _, name, _ in mission.walk()}, mission.blackboard, mission.events
     names = Names(
-        state=second(states), key=second(keys), event=second(events), timer=lambda name: name,
+        state=second(states),
+        key=second(keys),
+        event=second(events),
+        timer=lambda name: name,
         trigger=lambda on: tuple(second(events)(name) for name in on),
-    )  # fmt: skip
+    )
     now = renamed(mission, names)
     each = {"states": sorted(states), "keys": keys, "events": events}
     map_ = Map(**{word: {name: name + TWO for name in known} for word, known in each.items()})

@@ -25,9 +25,12 @@ LIT = mission({
         {"publish": "lamp", "message": {"data": True}}, {"call": "horn"}, {"say": "I go"}]}]},
     "moving": {"action": "move", "timeout_s": 100},
 })  # fmt: skip
-PROFILE = robot(**{
-    sort: {name: {**entry, "repeat": True} for name, entry in ROBOT[sort].items()} for sort in ("services", "topics")
-})  # fmt: skip
+PROFILE = robot(
+    **{
+        sort: {name: {**entry, "repeat": True} for name, entry in ROBOT[sort].items()}
+        for sort in ("services", "topics")
+    }
+)
 
 
 class Held(Journal):

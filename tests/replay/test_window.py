@@ -39,11 +39,16 @@ LONG_S = 1000.0
 """For every deadline of something that is asked for: a process that is held up comes too late for short ones."""
 DEADLINES = frozenset({"timeout_s", "handover_s", "deadline_s", "within_s", "cancel_s", "timeout"})
 WITNESS: Json = {"type": "boolean", "source": "robot", "optional": True, "max_age_s": WINDOW_S}
-REPORTING = ROBOT.model_copy(update={"blackboard": {
-    **ROBOT.blackboard,
-    "witness": Robot.model_validate({"name": "witness", "blackboard": {
-        "witness": {"topic": "/witness", "type": "std_msgs/msg/Bool"}}}).blackboard["witness"],
-}})  # fmt: skip
+REPORTING = ROBOT.model_copy(
+    update={
+        "blackboard": {
+            **ROBOT.blackboard,
+            "witness": Robot.model_validate(
+                {"name": "witness", "blackboard": {"witness": {"topic": "/witness", "type": "std_msgs/msg/Bool"}}}
+            ).blackboard["witness"],
+        }
+    }
+)
 """Reports one fact more, which nothing in a mission asks for: a run that is resumed waits for it."""
 
 
@@ -148,9 +153,10 @@ def rows_at_rest(path: Path) -> list[int]:
     with read(path) as record:
         steps = [each.step for each in record.rows() if isinstance(each, StepRow)]
     return [
-        number for number, (step, then) in enumerate(itertools.pairwise(steps), 1)
+        number
+        for number, (step, then) in enumerate(itertools.pairwise(steps), 1)
         if 1 <= step.at < then.at and step.outcome is None and not any(isinstance(each, Ask) for each in step.effects)
-    ]  # fmt: skip
+    ]
 
 
 def tried(folder: Path, mission: Mission, seed: int) -> str:

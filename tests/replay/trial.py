@@ -33,10 +33,12 @@ MOST_AT_ONCE = 60
 
 
 UNHEARD = frozenset({"hauls", "tows"})
-ROBOT = FARMER.model_copy(update={
-    "blackboard": {name: each for name, each in FARMER.blackboard.items() if name not in UNHEARD},
-    "actions": {name: each for name, each in FARMER.actions.items() if each.action is not None},
-})  # fmt: skip
+ROBOT = FARMER.model_copy(
+    update={
+        "blackboard": {name: each for name, each in FARMER.blackboard.items() if name not in UNHEARD},
+        "actions": {name: each for name, each in FARMER.actions.items() if each.action is not None},
+    }
+)
 """Without what generated missions have no keys for: each message of it would be a row."""
 
 
@@ -78,8 +80,10 @@ class Yard(Steady):
         wanted = [self._once(number, chance) for number in range(chance.randint(0, 4))]
         if chance.random() < 0.4:
             at = chance.uniform(1, ENDS_AT_S - 5)
-            wanted += [Wish(at, lambda runner: runner.pause(), is_mode("paused")),
-                       Wish(at + 3, lambda runner: runner.resume(), is_mode("running"))]  # fmt: skip
+            wanted += [
+                Wish(at, lambda runner: runner.pause(), is_mode("paused")),
+                Wish(at + 3, lambda runner: runner.resume(), is_mode("running")),
+            ]
         wanted.sort(key=lambda wish: wish.at)
         return [*wanted, Wish(ENDS_AT_S, lambda runner: runner.cancel(), lambda r: r.view.outcome is not None)]
 
@@ -112,8 +116,9 @@ def thinkers(seed: int, yard: Yard) -> dict[str, SlowAnswerer]:
     names = ("drive_over", "replan", "wait", "give_up", "nonsense")
     return {
         who: SlowAnswerer(chance.choice(names), yard, 0.0 if who == "rules" else chance.choice([0.0, 1.0, 3.0]))
-        for who in ("agent", "operator", "rules") if chance.random() < 0.8
-    }  # fmt: skip
+        for who in ("agent", "operator", "rules")
+        if chance.random() < 0.8
+    }
 
 
 class WatchedFate(Fate):
@@ -208,8 +213,9 @@ def received(path: Path) -> list[ReceivedEvent]:
         events = [step.event for step in steps_of(list(record.rows()))]
     return [
         ReceivedEvent(each.at, each.kind, each.name, each.number, repr(sorted(each.data.items())))
-        for each in events if each.kind not in ("tick", "control") and each.name != "take_up"
-    ]  # fmt: skip
+        for each in events
+        if each.kind not in ("tick", "control") and each.name != "take_up"
+    ]
 
 
 def part_within_an_instant(whole: list[ReceivedEvent], run: list[ReceivedEvent]) -> bool:

@@ -200,14 +200,25 @@ verdicts = st.builds(
     Verdict, st.booleans(), words, st.sampled_from(get_args(VerdictKind)), numbers, words, words, st.none() | numbers
 )
 steps = st.builds(
-    Step, numbers, instants, events, st.lists(moves, max_size=3).map(tuple),
+    Step,
+    numbers,
+    instants,
+    events,
+    st.lists(moves, max_size=3).map(tuple),
     st.lists(st.tuples(words, st.sampled_from([True, False, None])), max_size=3).map(tuple),
     st.lists(st.tuples(names, values), max_size=3).map(tuple),
     st.none() | st.sampled_from(["succeeded", "failed", "aborted", "canceled"]),
-    st.none() | instants, st.lists(effects, max_size=4).map(tuple), words, texts, texts,
-    st.sampled_from(MODES), st.none() | st.sampled_from(HOLDERS),
-    st.lists(verdicts, max_size=2).map(tuple), st.sampled_from(get_args(Refusal)), st.booleans(),
-)  # fmt: skip
+    st.none() | instants,
+    st.lists(effects, max_size=4).map(tuple),
+    words,
+    texts,
+    texts,
+    st.sampled_from(MODES),
+    st.none() | st.sampled_from(HOLDERS),
+    st.lists(verdicts, max_size=2).map(tuple),
+    st.sampled_from(get_args(Refusal)),
+    st.booleans(),
+)
 blackboard_writes = st.lists(st.tuples(names, values, instants), max_size=3, unique_by=lambda write: write[0])
 
 

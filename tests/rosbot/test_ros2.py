@@ -47,9 +47,17 @@ class House(Graph):
     def patrol(self, places: Sequence[str]) -> Process:
         waypoints = [{"x": x, "y": y, "yaw": yaw, "frame": "map"} for x, y, yaw in map(PLACES.__getitem__, places)]
         return self.start(
-            "run", MISSION, "--robot", PROFILE, "--no-operator", "--json", "--set",
-            f"waypoints={json.dumps(waypoints)}", "--journal", str(self.journal),
-        )  # fmt: skip
+            "run",
+            MISSION,
+            "--robot",
+            PROFILE,
+            "--no-operator",
+            "--json",
+            "--set",
+            f"waypoints={json.dumps(waypoints)}",
+            "--journal",
+            str(self.journal),
+        )
 
     @property
     def journal(self) -> Path:
@@ -144,9 +152,19 @@ def test_a_person_speaks_with_the_robot_all_in_processes_of_their_own(
         driven: Inbox[Message] = Inbox(PATIENCE_S)
         listener.subscribe("/odom", "nav_msgs/msg/Odometry", driven)
         run = graph.start(
-            "run", str(ROSBOT / "assist.json"), "--robot", str(profile), "--node", "--talk", "--set", "task=go",
-            "--set", "place=pantry", "--journal", str(graph.journal),
-        )  # fmt: skip
+            "run",
+            str(ROSBOT / "assist.json"),
+            "--robot",
+            str(profile),
+            "--node",
+            "--talk",
+            "--set",
+            "task=go",
+            "--set",
+            "place=pantry",
+            "--journal",
+            str(graph.journal),
+        )
         run.wait_for("start navigate")
         voice = graph.start("voice", str(asked), "--ros", "-o", str(spoken_back))
         run.wait_for(r"person voice \(topic\): [Ss]top")
@@ -185,8 +203,11 @@ def test_without_nav2s_types_it_reports_at_once_how_to_get_them() -> None:
     hidden = "import sys; sys.modules['nav2_msgs'] = None; from rai_missions.cli.main import main; sys.exit(main(sys.argv[1:]))"  # noqa: E501
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", hidden, "run", MISSION, "--robot", PROFILE, "--no-operator"],
-        capture_output=True, text=True, check=False, timeout=PATIENCE_S,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=PATIENCE_S,
+    )
     assert done.returncode == 2
     printed = [line for line in done.stderr.splitlines() if "robot.ros2.json: /" in line]
     assert [line.split("robot.ros2.json: ")[1].split(":")[0] for line in printed] == [

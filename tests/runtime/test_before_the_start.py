@@ -39,10 +39,16 @@ def moved(rig: Rig) -> list[str]:
 def test_nothing_moves_until_it_is_resumed(command: str, at: float) -> None:
     rig, seen = Rig(NEEDY), list[tuple[str, int]]()
     look: Callable[[], None] = lambda: seen.append((rig.runner.view.mode, len(rig.move.goals)))  # noqa: E731
-    rig.stage.play({
-        at: getattr(rig.runner, command), LATE_S: lambda: rig.publish("/there", data=False), 0.6: look,
-        0.7: rig.runner.resume, 0.8: look, LAST: rig.runner.cancel,
-    })  # fmt: skip
+    rig.stage.play(
+        {
+            at: getattr(rig.runner, command),
+            LATE_S: lambda: rig.publish("/there", data=False),
+            0.6: look,
+            0.7: rig.runner.resume,
+            0.8: look,
+            LAST: rig.runner.cancel,
+        }
+    )
     assert rig.run().outcome == "canceled"
     assert seen == [("paused", 0), ("running", 1)]
 
@@ -56,20 +62,29 @@ def test_a_stop_that_waits_with_the_reading_that_allows_the_start_comes_first() 
 
 def test_the_command_to_start_begins_it_as_well() -> None:
     rig, seen = Rig(NEEDY), list[Any]()
-    rig.stage.play({
-        0.3: rig.runner.stop, LATE_S: lambda: rig.publish("/there", data=False),
-        0.6: lambda: seen.append(rig.runner.start({})), LAST: rig.runner.cancel,
-    })  # fmt: skip
+    rig.stage.play(
+        {
+            0.3: rig.runner.stop,
+            LATE_S: lambda: rig.publish("/there", data=False),
+            0.6: lambda: seen.append(rig.runner.start({})),
+            LAST: rig.runner.cancel,
+        }
+    )
     rig.run()
     assert seen == [[]] and moved(rig) == ["goal"]
 
 
 def test_what_waits_for_its_start_waits_for_it_after_a_stop_too() -> None:
     rig, seen = Rig(NEEDY, begin=NewRun(waits=True)), list[str]()
-    rig.stage.play({
-        0.3: rig.runner.stop, LATE_S: lambda: rig.publish("/there", data=False), 0.5: rig.runner.resume,
-        0.6: lambda: seen.append(rig.runner.view.mode), LAST: rig.runner.cancel,
-    })  # fmt: skip
+    rig.stage.play(
+        {
+            0.3: rig.runner.stop,
+            LATE_S: lambda: rig.publish("/there", data=False),
+            0.5: rig.runner.resume,
+            0.6: lambda: seen.append(rig.runner.view.mode),
+            LAST: rig.runner.cancel,
+        }
+    )
     assert rig.run().outcome == "canceled"
     assert (seen, moved(rig)) == (["ready"], [])
 

@@ -27,9 +27,14 @@ class SlowRobot(LocalConnector):
         self.answered: dict[str, Callable[[Reply], None]] = {}
 
     def call(
-        self, service: str, type_name: str, request: Data, *, on_reply: Callable[[Reply], None],
+        self,
+        service: str,
+        type_name: str,
+        request: Data,
+        *,
+        on_reply: Callable[[Reply], None],
         timeout_s: float | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.asked.append(service)
         self.answered[service] = on_reply
         if service == "/broken":

@@ -22,9 +22,11 @@ OUTCOMES = ["succeeded", "failed", "canceled", "rejected", "timed_out"]
 
 
 def interrupted(
-    *at_s: float, on_cancel: tuple[str, ...] = ("canceled",), winds_down: bool = False,
+    *at_s: float,
+    on_cancel: tuple[str, ...] = ("canceled",),
+    winds_down: bool = False,
     by: signal.Signals = signal.SIGINT,
-) -> Rig:  # fmt: skip
+) -> Rig:
     """A run whose goals have no end of their own, with a signal at each of these instants."""
     moving = {"timeout_s": 3, "cancel_s": 1, "transitions": [{"on": OUTCOMES, "to": "turning"}]}
     states = {

@@ -97,8 +97,10 @@ def test_a_run_that_waits_has_confirmed_what_it_did(tmp_path: Path) -> None:
     rig = SilentRig(given, journal=Journal.create(path, Header(dump(given), dump_profile(robot()))))
     found: list[JournalRow] = []
     moments = {
-        1.0: lambda: rig.post("go"), 2.0: lambda: found.extend(rows_of(path)), 3.0: lambda: rig.post("stop_now"),
-    }  # fmt: skip
+        1.0: lambda: rig.post("go"),
+        2.0: lambda: found.extend(rows_of(path)),
+        3.0: lambda: rig.post("stop_now"),
+    }
     rig.stage.play(moments)
     agrees(path, rig)
     (step,) = [row.step for row in found if isinstance(row, StepRow) and row.step.effects]

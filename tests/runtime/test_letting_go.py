@@ -40,13 +40,15 @@ def test_only_the_stop_of_the_run_has_control_let_go(end: str, calls: int) -> No
 
     rig = Rig(WAITING, robot=GUARDED)
     rig.connector.serve("/let_go", "std_srvs/srv/Trigger", let_go)
-    rig.stage.play({
-        1.0: lambda: rig.connector.publish("/holder", STRING, {"data": "nobody"}),
-        2.0: rig.runner.pause,
-        3.0: rig.runner.resume,
-        4.0: lambda: rig.connector.publish("/holder", STRING, {"data": "operator"}),
-        5.0: getattr(rig.runner, end),
-    })  # fmt: skip
+    rig.stage.play(
+        {
+            1.0: lambda: rig.connector.publish("/holder", STRING, {"data": "nobody"}),
+            2.0: rig.runner.pause,
+            3.0: rig.runner.resume,
+            4.0: lambda: rig.connector.publish("/holder", STRING, {"data": "operator"}),
+            5.0: getattr(rig.runner, end),
+        }
+    )
     rig.run()
     assert "paused" in {step.mode for step in rig.steps}
     assert len(asked) == calls
@@ -67,9 +69,14 @@ class Faltering(LocalConnector):
         self.canceled: list[str] = []
 
     def send_goal(
-        self, action: str, type_name: str, goal: Mapping[str, Any], *, goal_id: str,
+        self,
+        action: str,
+        type_name: str,
+        goal: Mapping[str, Any],
+        *,
+        goal_id: str,
         on_report: Callable[[Report], None],
-    ) -> None:  # fmt: skip
+    ) -> None:
         raise RuntimeError("the wire is cut")
 
     def cancel_goal(self, goal_id: str) -> None:
@@ -109,10 +116,12 @@ def test_a_call_without_a_server_ends_once() -> None:
 def test_a_reading_that_is_not_understood_is_known_as_such(sent: object, why: str) -> None:
     misread: list[str] = []
     rig = Rig(WAITING)
-    rig.stage.play({
-        1.0: lambda: rig.publish("/battery", percentage=sent),
-        2.0: lambda: misread.append(rig.runner.view.source("battery").misread),
-        3.0: lambda: rig.post("go"),
-    })  # fmt: skip
+    rig.stage.play(
+        {
+            1.0: lambda: rig.publish("/battery", percentage=sent),
+            2.0: lambda: misread.append(rig.runner.view.source("battery").misread),
+            3.0: lambda: rig.post("go"),
+        }
+    )
     rig.run()
     assert len(misread) == 1 and why in misread[0]

@@ -78,9 +78,14 @@ class SlowServices(LocalConnector):
         return self._plan.cancels is not None and not self._plan.refuses
 
     def call(
-        self, service: str, type_name: str, request: Any, *, on_reply: Callable[[Reply], None],
+        self,
+        service: str,
+        type_name: str,
+        request: Any,
+        *,
+        on_reply: Callable[[Reply], None],
         timeout_s: float | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         plan = self._plan
         after = {"/drive": plan.accepts, "/halt": plan.cancels}.get(service, 0.0)
         is_fine = not (plan.rejects if service == "/drive" else plan.refuses)
@@ -191,11 +196,13 @@ def _states(actions: list[str]) -> dict[str, Any]:
     following = [*names[1:], "done"]
     states: dict[str, Any] = {
         name: {
-            "action": action, "timeout_s": 2, "cancel_s": 1,
+            "action": action,
+            "timeout_s": 2,
+            "cancel_s": 1,
             "transitions": [{"on": [*ENDS, "go"], "to": after}, {"on": "again", "to": "done"}],
         }
         for name, action, after in zip(names, actions, following, strict=True)
-    }  # fmt: skip
+    }
     return {**states, "done": {"final": "failed"}}
 
 
@@ -204,12 +211,15 @@ SCENES = st.builds(
     actions=st.lists(st.sampled_from(["move", "turn", "drive"]), min_size=1, max_size=4),
     plans=st.lists(PLANS, min_size=1, max_size=4),
     acts=st.lists(
-        st.builds(Act, st.integers(1, 80), st.sampled_from(
-            ["go", "go", "again", "kill", "kill", "cancel", "pause", "resume", "/move", "/turn"]
-        )), max_size=5,
+        st.builds(
+            Act,
+            st.integers(1, 80),
+            st.sampled_from(["go", "go", "again", "kill", "kill", "cancel", "pause", "resume", "/move", "/turn"]),
+        ),
+        max_size=5,
     ),
     is_ours=st.booleans(),
-)  # fmt: skip
+)
 quick = settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow])
 
 

@@ -89,14 +89,19 @@ def test_what_does_not_fit_is_refused_and_it_still_waits() -> None:
     rig = Rig(mission(COUNTED, blackboard=KEYS), waits=True)
     why = list[Any]()
     given: tuple[dict[str, Any], ...] = ({}, {"n": "three"}, {"m": 1, "n": 3})
-    rig.stage.play({
-        **{at / 10: lambda each=each: why.append(rig.runner.start(each)) for at, each in enumerate(given, start=1)},
-        0.5: lambda: why.append(rig.runner.view.mode), 0.6: lambda: why.append(rig.runner.start({"n": 4})),
-    })  # fmt: skip
+    rig.stage.play(
+        {
+            **{at / 10: lambda each=each: why.append(rig.runner.start(each)) for at, each in enumerate(given, start=1)},
+            0.5: lambda: why.append(rig.runner.view.mode),
+            0.6: lambda: why.append(rig.runner.start({"n": 4})),
+        }
+    )
     assert rig.run().outcome == "failed"
     assert [[(each.kind, each.argument) for each in faults] for faults in why[:3]] == [
-        [("missing", "n")], [("unfit", "n")], [("foreign", "m")],
-    ]  # fmt: skip
+        [("missing", "n")],
+        [("unfit", "n")],
+        [("foreign", "m")],
+    ]
     assert "needs the argument 'n'; on a command line, give --set n=…" in why[0][0].sentence
     assert why[3:] == ["ready", []]
 

@@ -103,9 +103,13 @@ def traced(seed: int, share: float) -> Trace:
             late.stall()
 
     runner = Runner(
-        mission, clock=world, journal=book, begin=NewRun(named={"is_far": is_far}), observer=RunObserver(look),
+        mission,
+        clock=world,
+        journal=book,
+        begin=NewRun(named={"is_far": is_far}),
+        observer=RunObserver(look),
         answerers={"agent": late, "rules": late},
-    )  # fmt: skip
+    )
     world.post = runner.post
     result = runner.run()
     results = [(step.event, active) for step, active in steps if step.event.kind != "tick" and step.outcome is None]

@@ -34,10 +34,15 @@ def live(folder: Path, own: str, theirs: str, *, steps: int) -> None:
 
     life: dict[str, Any] = {"resume": journal} if journal.exists() else {"journal": journal}
     setting = RunConfig(
-        None if journal.exists() else MISSION, ROBOT, model=Loose(key=SecretStr(own), theirs=theirs),
-        connector=Loud(theirs), answerers={"someone": Broken(theirs)}, record=folder / "run.mcap", on_step=count,
+        None if journal.exists() else MISSION,
+        ROBOT,
+        model=Loose(key=SecretStr(own), theirs=theirs),
+        connector=Loud(theirs),
+        answerers={"someone": Broken(theirs)},
+        record=folder / "run.mcap",
+        on_step=count,
         **life,
-    )  # fmt: skip
+    )
     with prepare(setting) as prepared:
         prepared.runner.run()
 

@@ -68,10 +68,17 @@ class MarkedCampaign:
 
     def _written(self) -> Path:
         scripts = {"teller": {"*": {"option": "left", "why": f"as {self.mark('script')} has it"}}}
-        path = write_campaign(self._folder, campaign_data(
-            self._scenes, models=["rules", "teller"], scripts=scripts, embodiments=list(BODIES), retries=0,
-            arguments={"note": self.mark("fact")},
-        ))  # fmt: skip
+        path = write_campaign(
+            self._folder,
+            campaign_data(
+                self._scenes,
+                models=["rules", "teller"],
+                scripts=scripts,
+                embodiments=list(BODIES),
+                retries=0,
+                arguments={"note": self.mark("fact")},
+            ),
+        )
         mission: Json = deepcopy(MISSION)
         mission["blackboard"]["note"] = {"type": "string", "source": "argument", "initial": ""}
         asked = mission["states"]["choosing"]["decision"]
@@ -111,9 +118,11 @@ class MarkedCampaign:
         temporary.mkdir()
         command = [sys.executable, "-m", "rai_missions.cli.main", "campaign", "run", str(self._path)]
         process = subprocess.Popen(
-            [*command, "--store", str(store), "--jobs", "2"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            [*command, "--store", str(store), "--jobs", "2"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
             env={**os.environ, "TMPDIR": str(temporary)},
-        )  # fmt: skip
+        )
         while not counted(store) and not ended(process):
             pass
         process.kill()

@@ -29,10 +29,21 @@ ROOT = Path(__file__).parents[2]
 OWN = tuple(
     os.path.realpath(str(each))
     for each in (
-        sys.prefix, sys.base_prefix, *sysconfig.get_paths().values(), ROOT / "rai_missions", ROOT / "visualize",
-        "/usr/lib", "/usr/share", "/lib", "/proc", "/sys", "/dev/null", "/dev/urandom", "/etc/ld.so.cache",
+        sys.prefix,
+        sys.base_prefix,
+        *sysconfig.get_paths().values(),
+        ROOT / "rai_missions",
+        ROOT / "visualize",
+        "/usr/lib",
+        "/usr/share",
+        "/lib",
+        "/proc",
+        "/sys",
+        "/dev/null",
+        "/dev/urandom",
+        "/etc/ld.so.cache",
     )
-)  # fmt: skip
+)
 """Where the program itself, its libraries and the system are."""
 SECRET = "a secret of another user"
 
@@ -66,9 +77,15 @@ class Place:
         """Run commands in the given folder, which is where an unwary program would import from."""
         own = {"PYTHONPATH": str(ROOT), "PYTHONDONTWRITEBYTECODE": "1", "TMPDIR": str(self.out)}
         done = subprocess.run(
-            [sys.executable, "-W", "ignore", "-P", str(ROOT / "tests/security/watched.py")], input=json.dumps(commands),
-            capture_output=True, text=True, cwd=self.given, env=os.environ | own, timeout=300, check=False,
-        )  # fmt: skip
+            [sys.executable, "-W", "ignore", "-P", str(ROOT / "tests/security/watched.py")],
+            input=json.dumps(commands),
+            capture_output=True,
+            text=True,
+            cwd=self.given,
+            env=os.environ | own,
+            timeout=300,
+            check=False,
+        )
         assert done.returncode == 0, done.stderr
         assert "Traceback" not in done.stderr, done.stderr
         assert SECRET not in done.stdout + done.stderr
@@ -115,9 +132,12 @@ def test_good_data_is_reviewed_without_running_or_reaching_anything(place: Place
         (place.given / f"{module}.py").write_text("raise SystemExit(9)")
     page = ["draw", mission, "-o", str(place.out / "run.html")]
     done = place.watch(
-        *reviews(place, mission), ["replay", journal], ["replay", recording], [*page, "--journal", journal],
+        *reviews(place, mission),
+        ["replay", journal],
+        ["replay", recording],
+        [*page, "--journal", journal],
         [*page, "--journal", recording],
-    )  # fmt: skip
+    )
     place.assert_harmless(done)
     assert done.ended == [0] * len(done.ended)
 

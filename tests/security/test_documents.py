@@ -60,9 +60,13 @@ def test_nothing_that_a_document_names_is_opened_started_or_fetched(tmp_path: Pa
         (tmp_path / name).write_bytes(data)
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     done = subprocess.run(
-        [sys.executable, "-W", "ignore", "-c", READS, str(tmp_path)], capture_output=True, text=True, env=environment,
-        check=True, timeout=120,
-    )  # fmt: skip
+        [sys.executable, "-W", "ignore", "-c", READS, str(tmp_path)],
+        capture_output=True,
+        text=True,
+        env=environment,
+        check=True,
+        timeout=120,
+    )
     texts, events = json.loads(done.stdout.splitlines()[-1])
     assert all("seen" in text and "root:" not in text for text in texts.values()) and len(texts) == 5
     own = (sys.prefix, sys.base_prefix, str(ROOT / "rai_missions"), str(ROOT), str(tmp_path), "/usr/lib")

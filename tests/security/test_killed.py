@@ -47,9 +47,14 @@ class Life:
         given = {"STRANGERS_API_KEY": theirs, "TMPDIR": str(folder / "temporary")}
         command = [sys.executable, "-m", "tests.security.killed_runs", str(folder), str(steps)]
         done = subprocess.run(
-            command, cwd=ROOT, env=os.environ | given, input=json.dumps(own).encode(), capture_output=True, timeout=60,
+            command,
+            cwd=ROOT,
+            env=os.environ | given,
+            input=json.dumps(own).encode(),
+            capture_output=True,
+            timeout=60,
             check=False,
-        )  # fmt: skip
+        )
         self.printed = done.stdout + done.stderr
         self.is_killed = done.returncode == -signal.SIGKILL
         assert self.is_killed or not done.returncode, done.stderr[-2000:]

@@ -86,14 +86,15 @@ MISSION = Mission.model_validate(
 STRING, TRIGGER = "std_msgs/msg/String", "std_srvs/srv/Trigger"
 ROBOT = Robot.model_validate(
     {
-        "name": "loose", "connector": {"kind": "local"},
+        "name": "loose",
+        "connector": {"kind": "local"},
         "blackboard": {"text": {"topic": "/text", "type": STRING, "field": "data"}},
         "events": {"signal": {"topic": "/signal", "type": STRING}},
         "services": {name: {"service": f"/{name}", "type": TRIGGER} for name in ("post", "break")},
         "topics": {"say": {"topic": "/spoken", "type": STRING}, "news": {"topic": "/broken", "type": STRING}},
         "actions": {"go": {"action": "/go", "type": "nav2_msgs/action/Spin"}},
     }
-)  # fmt: skip
+)
 
 
 class Loose(DoubleModel):
@@ -197,9 +198,15 @@ def test_nothing_that_a_run_writes_or_shows_holds_a_secret(
     lines = Lines(MISSION, shown, verbose=True)
     journal = tmp_path / "run.journal"
     setting = RunConfig(
-        MISSION, ROBOT, model=Loose(), connector=robot, journal=journal, record=tmp_path / "run.mcap",
-        on_step=lines.step, on_status=lines.status,
-    )  # fmt: skip
+        MISSION,
+        ROBOT,
+        model=Loose(),
+        connector=robot,
+        journal=journal,
+        record=tmp_path / "run.mcap",
+        on_step=lines.step,
+        on_status=lines.status,
+    )
     with prepare(setting) as prepared:
         result = prepared.runner.run()
         lines.end(result)
@@ -311,13 +318,22 @@ def test_no_command_prints_a_secret_whatever_goes_wrong(
     (tmp_path / f"{OF_MODEL['shape']}.json").write_text("{")
     monkeypatch.syspath_prepend(tmp_path)
     for words in (
-        ["run", "mission.json", "--model", "loose:x", "--no-operator"], ["check", "broken.py"], ["check", "named.py"],
-        ["check", "mission.json", "--guards", "guards.py"], ["check", f"{OF_MODEL['shape']}.json"],
-        ["replay", "canary-token-77aa"], ["draw", "named.py"], ["diff", "named.py", "mission.json"],
-        ["prove", "named.py"], ["run", "named.py"], ["watch", "canary-token-77aa"], ["prove", "mission.json"],
-        ["diff", "mission.json", "canary-token-77aa"], ["world", "canary-token-77aa"],
+        ["run", "mission.json", "--model", "loose:x", "--no-operator"],
+        ["check", "broken.py"],
+        ["check", "named.py"],
+        ["check", "mission.json", "--guards", "guards.py"],
+        ["check", f"{OF_MODEL['shape']}.json"],
+        ["replay", "canary-token-77aa"],
+        ["draw", "named.py"],
+        ["diff", "named.py", "mission.json"],
+        ["prove", "named.py"],
+        ["run", "named.py"],
+        ["watch", "canary-token-77aa"],
+        ["prove", "mission.json"],
+        ["diff", "mission.json", "canary-token-77aa"],
+        ["world", "canary-token-77aa"],
         ["gate", "--file", VARIABLES["HF_TOKEN"]],
-    ):  # fmt: skip
+    ):
         with suppress(SystemExit):
             assert main(words) == (0 if words[0] == "prove" and words[1] == "mission.json" else 2), words
         printed = capsys.readouterr()

@@ -171,12 +171,18 @@ class Meeting:
         self.ear, self.hri = Ear(connector), HRIConnector(connector)
         lines = Lines(made, self.shown, verbose=True)
         self.model = Guide(deeds=deeds(secret, entries))
-        model = TalkModel(self.model, identity=identity, tools=lambda view: look_tools(identity, view))  # fmt: skip
+        model = TalkModel(self.model, identity=identity, tools=lambda view: look_tools(identity, view))
         self.talk = Talk(
-            made, model=model, settings=SETTINGS, clock=WallClock(), robot=robot(), connector=connector,
-            journal=self.journal, names=RobotWords("errand boy", identity.first_sentence),
+            made,
+            model=model,
+            settings=SETTINGS,
+            clock=WallClock(),
+            robot=robot(),
+            connector=connector,
+            journal=self.journal,
+            names=RobotWords("errand boy", identity.first_sentence),
             doors=[HRIDoor(self.hri, "errand boy")],
-        )  # fmt: skip
+        )
         follow = self.talk.rig.on_step
         self.talk.rig.on_step = lambda step: (follow(step), lines.step(step))
 
@@ -257,15 +263,21 @@ class Meeting:
         agent = self.talk.agent
         lines = json.dumps([line._asdict() for line in self.talk.screen.every])
         return files(self.folder) | {
-            "lines": lines, "topics": "\n".join(self.ear.received), "terminal": self.shown.getvalue(),
-            "result": repr(self.talk.result), "steps": repr(self.talk.steps), "history": repr(agent._dialogue.history),
-            "health": repr(agent.health), "prompts": repr(self.model.received),
-        }  # fmt: skip
+            "lines": lines,
+            "topics": "\n".join(self.ear.received),
+            "terminal": self.shown.getvalue(),
+            "result": repr(self.talk.result),
+            "steps": repr(self.talk.steps),
+            "history": repr(agent._dialogue.history),
+            "health": repr(agent.health),
+            "prompts": repr(self.model.received),
+        }
 
 
 GRANTED = permissions({"person": ["start", "answer", "cancel"]})
-SETTINGS = Settings(may=GRANTED, results=("label", "reply"), asked_with=("label",),
-                    questions={"what is the label": "label"})  # fmt: skip
+SETTINGS = Settings(
+    may=GRANTED, results=("label", "reply"), asked_with=("label",), questions={"what is the label": "label"}
+)
 
 
 Meet = Callable[[str, set[str], int], None]

@@ -40,10 +40,15 @@ def test_what_a_repository_lacks_is_fetched_by_no_program_of_its(place: Path) ->
     lamp, ran = git(place, "rev-parse", "HEAD:lamp.json"), place.parent / "ran"
     (place / ".git/objects" / lamp[:2] / lamp[2:]).unlink()
     for name, value in {
-        "extensions.partialClone": "origin", "core.repositoryFormatVersion": "1", "remote.origin.promisor": "true",
-        "remote.origin.url": str(place), "remote.origin.uploadpack": f"touch {ran}; git-upload-pack",
-        "core.fsmonitor": f"touch {ran}", "core.pager": f"touch {ran}", "core.sshCommand": f"touch {ran}",
-    }.items():  # fmt: skip
+        "extensions.partialClone": "origin",
+        "core.repositoryFormatVersion": "1",
+        "remote.origin.promisor": "true",
+        "remote.origin.url": str(place),
+        "remote.origin.uploadpack": f"touch {ran}; git-upload-pack",
+        "core.fsmonitor": f"touch {ran}",
+        "core.pager": f"touch {ran}",
+        "core.sshCommand": f"touch {ran}",
+    }.items():
         git(place, "config", name, value)
     assert main(["diff", "--git", "HEAD", str(place / "lamp.json")]) == 2
     assert not ran.exists()

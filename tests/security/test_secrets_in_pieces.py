@@ -113,7 +113,9 @@ MISSION = Mission.model_validate(
 )  # fmt: skip
 ROBOT = Robot.model_validate(
     {
-        "name": "loose", "connector": {"kind": "local"}, "tools": {"read": ["/*"]},
+        "name": "loose",
+        "connector": {"kind": "local"},
+        "tools": {"read": ["/*"]},
         "blackboard": {
             "text": {"topic": "/text", "type": STRING, "field": "data"},
             "number": {"topic": "/text", "type": STRING, "json": True, "field": "a"},
@@ -125,7 +127,7 @@ ROBOT = Robot.model_validate(
         "topics": {"news": {"topic": "/broken", "type": STRING}},
         "actions": {"go": {"action": "/go", "type": "nav2_msgs/action/Spin"}},
     }
-)  # fmt: skip
+)
 
 
 class Loose(DoubleModel):
@@ -213,10 +215,15 @@ def leaves(own: str, theirs: str, folder: Path) -> dict[str, bytes | str]:
     shown = io.StringIO()
     lines = Lines(MISSION, shown, verbose=True)
     setting = RunConfig(
-        MISSION, ROBOT, model=Loose(key=SecretStr(own), theirs=theirs), connector=Loud(theirs),
-        answerers={"someone": Broken(theirs)}, journal=folder / "run.journal", on_step=lines.step,
+        MISSION,
+        ROBOT,
+        model=Loose(key=SecretStr(own), theirs=theirs),
+        connector=Loud(theirs),
+        answerers={"someone": Broken(theirs)},
+        journal=folder / "run.journal",
+        on_step=lines.step,
         on_status=lines.status,
-    )  # fmt: skip
+    )
     with prepare(setting) as prepared:
         result = prepared.runner.run()
         lines.end(result)

@@ -39,9 +39,14 @@ class Noting(LocalConnector):
         super().publish(topic, type_name, message)
 
     def call(
-        self, service: str, type_name: str, request: Data, *, on_reply: Callable[[Reply], None],
+        self,
+        service: str,
+        type_name: str,
+        request: Data,
+        *,
+        on_reply: Callable[[Reply], None],
         timeout_s: float | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.touched.add((service, "write"))
         super().call(service, type_name, request, on_reply=on_reply, timeout_s=timeout_s)
 

@@ -31,11 +31,13 @@ def message(
     return {
         "header": {"frame_id": "map"},
         "info": {
-            "resolution": resolution, "width": len(rows[0]), "height": len(rows),
+            "resolution": resolution,
+            "width": len(rows[0]),
+            "height": len(rows),
             "origin": {**at, "orientation": orientation},
         },
         "data": [cell for row in rows for cell in row],
-    }  # fmt: skip
+    }
 
 
 def kind(cell: int) -> str:
@@ -88,8 +90,11 @@ def test_a_point_of_a_turned_map_is_found_where_it_is() -> None:
     """A map turned by a quarter: its x axis is the frame's y axis."""
     grid = grid_of(message([[0, 100], [-1, 50]], 0.5, (10.0, 20.0), z=HALF, w=HALF))
     assert [grid.cell_at(9.9, 20.1), grid.cell_at(9.9, 20.6), grid.cell_at(9.4, 20.1), grid.cell_at(9.4, 20.6)] == [
-        ".", "#", "?", "+",
-    ]  # fmt: skip
+        ".",
+        "#",
+        "?",
+        "+",
+    ]
     assert grid.cell_at(10.1, 20.1) == "?", "outside of it"
     assert grid.counts() == {"free": 1, "unknown": 1, "uncertain": 1, "occupied": 1}
 

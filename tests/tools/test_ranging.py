@@ -88,8 +88,9 @@ def scene_cloud(scene: Scene, *, holes: float = 0.0, seed: int = 0) -> list[tupl
     nothing = (math.nan, math.nan, math.nan)
     return [
         nothing if chance.random() < holes else CAMERA.ray(column, row, scene.depth(column, row))
-        for row in range(48) for column in range(64)
-    ]  # fmt: skip
+        for row in range(48)
+        for column in range(64)
+    ]
 
 
 # ── Laws ────────────────────────────────────────────────────────────────────────────────────────────────────────
@@ -273,9 +274,10 @@ def sends(tried: ToolRig, topic: str, message: Any, at: float, frame: str = "cam
 def test_the_tool_reports_each_object_and_what_is_unknown(local: ToolRig) -> None:
     box, now = local.box(), local.now()
     with (
-        sends(local, "/seen", SEEN, now), sends(local, "/info", INFO, now),
+        sends(local, "/seen", SEEN, now),
+        sends(local, "/info", INFO, now),
         sends(local, "/depth", depth_image(SCENE, "16UC1"), now),
-    ):  # fmt: skip
+    ):
         ask = box.measuring.get_distance_to_objects
         wanted = {"depth_topic": "/depth", "camera_info_topic": "/info", "timeout_s": PATIENCE_S, "max_age_s": None}
         reported = ask("/seen", **wanted)
@@ -292,9 +294,11 @@ def test_a_lidars_cloud_is_brought_to_the_camera_by_its_transform(local: ToolRig
     points = [to_camera.inverse().point(point) for point in scene_cloud(SCENE)]
     static = {"transforms": [stamped("camera", "lidar", to_camera, 0.0)]}
     with (
-        sends(local, "/seen", SEEN, now), sends(local, "/info", INFO, now),
-        sends(local, "/cloud", cloud(points, len(points), 1), now, "lidar"), sends(local, "/tf_static", static, now),
-    ):  # fmt: skip
+        sends(local, "/seen", SEEN, now),
+        sends(local, "/info", INFO, now),
+        sends(local, "/cloud", cloud(points, len(points), 1), now, "lidar"),
+        sends(local, "/tf_static", static, now),
+    ):
         reported = box.measuring.get_distance_to_objects(
             "/seen", cloud_topic="/cloud", camera_info_topic="/info", timeout_s=PATIENCE_S, max_age_s=None
         )
@@ -309,9 +313,10 @@ def test_a_lidars_cloud_is_brought_to_the_camera_by_its_transform(local: ToolRig
 def test_what_does_not_fit_in_time_is_unknown(local: ToolRig, late_s: float, old_s: float, why: str) -> None:
     now = local.now()
     with (
-        sends(local, "/seen", SEEN, now - old_s), sends(local, "/info", INFO, now),
+        sends(local, "/seen", SEEN, now - old_s),
+        sends(local, "/info", INFO, now),
         sends(local, "/depth", depth_image(SCENE, "16UC1"), now - old_s - late_s),
-    ):  # fmt: skip
+    ):
         reported = local.box().measuring.get_distance_to_objects(
             "/seen", depth_topic="/depth", camera_info_topic="/info", timeout_s=0.5, max_age_s=2.0 if old_s else None
         )

@@ -54,18 +54,27 @@ def test_a_fault_of_the_folder_is_an_answer(tmp_path: Path) -> None:
 
 
 def test_langchain_retrieves_and_searches_the_documents(library: Library) -> None:
-    expected = Document("The tyres take 1.2 bar.", metadata={
-        "source": "care.txt, Care › Tyres", "file": "care.txt", "heading": "Care › Tyres",
-    })  # fmt: skip
-    for found in (LibraryRetriever(library=library, count=1).invoke("tyres bar?"),
-                  LibraryVectorStore(library).similarity_search("tyres bar?", k=1)):  # fmt: skip
+    expected = Document(
+        "The tyres take 1.2 bar.",
+        metadata={
+            "source": "care.txt, Care › Tyres",
+            "file": "care.txt",
+            "heading": "Care › Tyres",
+        },
+    )
+    for found in (
+        LibraryRetriever(library=library, count=1).invoke("tyres bar?"),
+        LibraryVectorStore(library).similarity_search("tyres bar?", k=1),
+    ):
         assert [(each.page_content, each.metadata) for each in found] == [(expected.page_content, expected.metadata)]
     digest = str(found[0].id)
     assert [each.page_content for each in LibraryVectorStore(library).get_by_ids([digest, "x"])] == [
         expected.page_content
     ]
-    for act in (lambda: LibraryVectorStore(library).add_texts(["x"]),
-                lambda: LibraryVectorStore.from_texts(["x"], TextEmbeddings(LetterVectors()))):  # fmt: skip
+    for act in (
+        lambda: LibraryVectorStore(library).add_texts(["x"]),
+        lambda: LibraryVectorStore.from_texts(["x"], TextEmbeddings(LetterVectors())),
+    ):
         with pytest.raises(UsageError, match="the passages come from the identity's folder"):
             act()
 

@@ -194,9 +194,11 @@ def test_what_is_no_transform_is_refused_and_harms_nothing(message: Any) -> None
 
 def test_the_newest_is_where_all_of_the_way_is_known() -> None:
     tree = frames(
-        stamped("map", "odom", Transform((1, 0, 0)), 1.0), stamped("map", "odom", Transform((2, 0, 0)), 2.0),
-        stamped("odom", "base", Transform((0, 1, 0)), 1.0), stamped("odom", "base", Transform((0, 3, 0)), 3.0),
-    )  # fmt: skip
+        stamped("map", "odom", Transform((1, 0, 0)), 1.0),
+        stamped("map", "odom", Transform((2, 0, 0)), 2.0),
+        stamped("odom", "base", Transform((0, 1, 0)), 1.0),
+        stamped("odom", "base", Transform((0, 3, 0)), 3.0),
+    )
     found = tree.lookup("map", "base")
     assert (found.at, found.transform.translation) == (2.0, (2.0, 2.0, 0.0))
 

@@ -51,9 +51,14 @@ class Process:
     def __init__(self, words: list[str], environment: Mapping[str, str]) -> None:
         self.lines: Inbox[str] = Inbox(PATIENCE_S)
         self._process = subprocess.Popen(
-            [*CLI, *words], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-            cwd=ROOT, env=dict(environment),
-        )  # fmt: skip
+            [*CLI, *words],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            cwd=ROOT,
+            env=dict(environment),
+        )
         self._reader = threading.Thread(target=self._read)
         self._reader.start()
 
@@ -126,9 +131,17 @@ class Graph:
         """The shipped mission with a shipped profile, unless others are named."""
         journal = str(self.folder / "run.journal")
         return self.start(
-            "run", str(mission), "--robot", str(robot), "--no-operator", "--set", f"alleys={alleys}",
-            "--journal", journal, *words,
-        )  # fmt: skip
+            "run",
+            str(mission),
+            "--robot",
+            str(robot),
+            "--no-operator",
+            "--set",
+            f"alleys={alleys}",
+            "--journal",
+            journal,
+            *words,
+        )
 
     def close(self) -> None:
         for each in self._processes:

@@ -154,18 +154,21 @@ def lasting(inner: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
     parts = st.lists(inner, min_size=1, max_size=4)
     last: dict[str, Any] = {"wait_s": 999.5}
     watching = st.builds(
-        lambda word, given, memory: {
-            word: [*({WATCHED[word]: each} for each in given), last], "memory": memory
-        },
-        st.sampled_from(["selector", "sequence"]), parts, st.sampled_from([False, False, False, True]),
-    )  # fmt: skip
+        lambda word, given, memory: {word: [*({WATCHED[word]: each} for each in given), last], "memory": memory},
+        st.sampled_from(["selector", "sequence"]),
+        parts,
+        st.sampled_from([False, False, False, True]),
+    )
     return st.one_of(
         watching,
         watching,
         st.builds(lambda given: {"parallel": given}, st.lists(watching, min_size=1, max_size=3)),
-        st.builds(lambda key, child: {"failure_is_running": {"eternal_guard": is_true(key), "child": child}},
-                  st.sampled_from(FACTS), watching),
-    )  # fmt: skip
+        st.builds(
+            lambda key, child: {"failure_is_running": {"eternal_guard": is_true(key), "child": child}},
+            st.sampled_from(FACTS),
+            watching,
+        ),
+    )
 
 
 WATCHED = {"selector": "success_is_failure", "sequence": "failure_is_success"}
@@ -176,8 +179,10 @@ def guarded(inner: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
     """Branches that a guard leads: a sequence that it opens, or a selector that it spares."""
     return st.builds(
         lambda word, key, given: {word: [{"check": is_true(key)}, *given]},
-        st.sampled_from(["sequence", "selector"]), st.sampled_from(FACTS), st.lists(inner, max_size=2),
-    )  # fmt: skip
+        st.sampled_from(["sequence", "selector"]),
+        st.sampled_from(FACTS),
+        st.lists(inner, max_size=2),
+    )
 
 
 checks = st.sampled_from(FACTS).map(lambda key: {"check": is_true(key)})

@@ -58,13 +58,15 @@ quick = st.recursive(
         st.builds(lambda word, child: {word: child}, st.sampled_from(["inverter", "failure_is_success"]), inner),
         st.builds(
             lambda word, given, memory: {word: given, "memory": memory},
-            st.sampled_from(["sequence", "selector"]), st.lists(inner, min_size=1, max_size=3), st.booleans(),
+            st.sampled_from(["sequence", "selector"]),
+            st.lists(inner, min_size=1, max_size=3),
+            st.booleans(),
         ),
         st.builds(lambda key, child: {"eternal_guard": is_true(key), "child": child}, known, inner),
         inner.map(lambda child: {"one_shot": child, "policy": "on_completion"}),
     ),
     max_leaves=4,
-)  # fmt: skip
+)
 """What ends in the tick in which it begins, and does the same again at the next."""
 leaves = st.one_of(
     quick,
@@ -130,12 +132,14 @@ lives = st.lists(
     st.one_of(
         st.builds(PollEvent, st.integers(0, 4), st.tuples(st.sampled_from(FACTS), st.booleans()), st.none()),
         st.builds(
-            PollEvent, st.integers(0, 2), st.none(),
+            PollEvent,
+            st.integers(0, 2),
+            st.none(),
             st.tuples(st.integers(0, 2), st.sampled_from(["succeeded", "succeeded", "failed"])),
         ),
     ),
     max_size=8,
-)  # fmt: skip
+)
 
 # -- plain py_trees -------------------------------------------------------------------------------------------------
 

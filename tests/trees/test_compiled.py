@@ -76,8 +76,9 @@ def as_py_trees(tree: Any, life: list[Moment], *, unknown: int = 0) -> None:
         assert comparable(ours) == comparable(theirs)
         assert both.ours.reads(ours.state) == both.theirs.reads(theirs.state)
         assert both.ours.wake_at(ours.state, both.last) == both.theirs.wake_at(theirs.state, both.last)
-    ours, theirs = (ticker.stop(state, both.last) for ticker, state in (
-        (both.ours, both.state), (both.theirs, both.their_state)))  # fmt: skip
+    ours, theirs = (
+        ticker.stop(state, both.last) for ticker, state in ((both.ours, both.state), (both.theirs, both.their_state))
+    )
     assert comparable(ours) == comparable(theirs)
 
 

@@ -46,7 +46,7 @@ from rai_missions.states import (
     Transition,
     Tree,
     tree,
-)  # fmt: skip
+)
 
 k = Keys(battery=Key(float, source="robot", max_age_s=10), moving=Key(bool), camera=Key(Image, source="robot"))
 

@@ -78,8 +78,16 @@ def test_hostile_text_is_shown_as_it_is_and_is_nothing_else() -> None:
     drawn = svg(hostile())
     shown = "".join("".join(element.itertext()) for element in drawn.iter(f"{SVG}text")).replace("\u00a0", " ")
     assert {element.tag.removeprefix(SVG) for element in drawn.iter()} <= {
-        "svg", "g", "a", "title", "text", "path", "polygon", "ellipse", "polyline",
-    }  # fmt: skip
+        "svg",
+        "g",
+        "a",
+        "title",
+        "text",
+        "path",
+        "polygon",
+        "ellipse",
+        "polyline",
+    }
     assert r"""<script>alert(1)</script> " ' \N \E \l & &amp; ]]> --> | `x` """ in shown
     assert "漢字" in shown
     assert "العربية" in shown
@@ -253,8 +261,10 @@ def test_graphviz_has_letters_for_the_characters_of_which_it_draws_a_png() -> No
     image = pytest.importorskip("PIL.Image")
     shown = [char for char in map(chr, range(0x21, 0x3000)) if KNOWN.fullmatch(char) and char not in "\u00a0\u00ad"]
     cells = [f"&#{ord(char)};" for char in [*shown, *LACKED]]
-    rows = ["".join(f'<td width="30" height="30" fixedsize="true">{cell}</td>' for cell in cells[at : at + 20])
-            for at in range(0, len(cells), 20)]  # fmt: skip
+    rows = [
+        "".join(f'<td width="30" height="30" fixedsize="true">{cell}</td>' for cell in cells[at : at + 20])
+        for at in range(0, len(cells), 20)
+    ]
     table = f'<table border="0" cellborder="0" cellspacing="0">{"".join(f"<tr>{row}</tr>" for row in rows)}</table>'
     source = f"graph {{ graph [margin=0, pad=0]; a [shape=plain, fontname=Helvetica, fontsize=12, label=<{table}>] }}"
     made = subprocess.run(

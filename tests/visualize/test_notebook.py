@@ -32,8 +32,12 @@ def notebook(**more: str) -> str:
     pytest.importorskip("IPython", reason="IPython is not installed")
     reported = subprocess.run(
         [sys.executable, "-I", "-c", f"import sys; sys.path.insert(0, '.')\n{SHOWN}"],
-        cwd=ROOT, text=True, capture_output=True, check=False, env=more or None,
-    )  # fmt: skip
+        cwd=ROOT,
+        text=True,
+        capture_output=True,
+        check=False,
+        env=more or None,
+    )
     assert reported.returncode == 0, reported.stderr
     return reported.stdout.strip()
 

@@ -102,11 +102,23 @@ def test_a_check_before_a_retry_is_drawn_before_it() -> None:
     tree = {"sequence": [{"check": {"key": "clear", "==": True}}, deep, {"set": "count", "add": 1}]}
     inspecting = {"tree": tree, "timeout_s": 30, "transitions": [{"on": "succeeded", "to": "seen"}]}
     keys = {name: {"type": "boolean", "source": "robot", "max_age_s": 1} for name in ("clear", "near")}
-    assert_drawn_in_order({
-        "format": 1, "name": "warehouse", "version": "1.0.0", "initial": "working",
-        "blackboard": {**keys, "count": {"type": "integer", "source": "mission", "initial": 0}},
-        "states": {"working": {"parallel": {
-            "patrol": {"initial": "inspecting", "states": {"inspecting": inspecting, "seen": {"final": "succeeded"}}},
-            "energy": {"initial": "fine", "states": {"fine": {}}},
-        }}},
-    })  # fmt: skip
+    assert_drawn_in_order(
+        {
+            "format": 1,
+            "name": "warehouse",
+            "version": "1.0.0",
+            "initial": "working",
+            "blackboard": {**keys, "count": {"type": "integer", "source": "mission", "initial": 0}},
+            "states": {
+                "working": {
+                    "parallel": {
+                        "patrol": {
+                            "initial": "inspecting",
+                            "states": {"inspecting": inspecting, "seen": {"final": "succeeded"}},
+                        },
+                        "energy": {"initial": "fine", "states": {"fine": {}}},
+                    }
+                }
+            },
+        }
+    )

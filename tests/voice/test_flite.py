@@ -18,8 +18,9 @@ from tests.voice.conftest import needs_voice
 
 WORDS = st.lists(
     st.sampled_from(["stop", "the", "mission", "0.983", "'going':", "way,", "Why?", "été", "Ready."]),
-    min_size=1, max_size=9,
-).map(" ".join)  # fmt: skip
+    min_size=1,
+    max_size=9,
+).map(" ".join)
 LONG = "The robot drives to the kitchen and looks for a cup: it is red, and it is on the table or next to the chair."
 pytestmark = [needs_voice, pytest.mark.xdist_group("voice")]
 

@@ -108,9 +108,11 @@ def test_without_the_wake_word_a_stop_alone_counts(collector: TranscriptCollecto
     ear = SpeechProcess("ear", "ear", {"wake_word": "okay_nabu"}, within_s=30.0)
     ear.open()
     listener = SpeechListener(
-        ear, *collector.recognition.processes[1:], settings=ListenSettings(needs_wake_word=True),
+        ear,
+        *collector.recognition.processes[1:],
+        settings=ListenSettings(needs_wake_word=True),
         on_transcript=found.append,
-    )  # fmt: skip
+    )
     sentences = ("Where are you going?", "Stop.", "What are you doing?", "Okay nah boo.", "Where is the kitchen?")
     sound = FileSound(b"".join(quiet(0.6) + spoken(each, "rms") for each in sentences))
     sound.listen(listener.take)

@@ -44,8 +44,9 @@ def by_definition(layers: dict[str, Any], states: list[list[float]]) -> list[flo
     features = layer(states, layers["reduce"][None], layers["reduce_bias"], size)
     features = layer(features, layers["near"], layers["near_bias"], size)
     far = layer(features, layers["far"], layers["far_bias"], size)
-    columns = list(zip(*[[a + b for a, b in zip(x, y, strict=True)] for x, y in zip(features, far, strict=True)],
-                       strict=True))  # fmt: skip
+    columns = list(
+        zip(*[[a + b for a, b in zip(x, y, strict=True)] for x, y in zip(features, far, strict=True)], strict=True)
+    )
     pooled = [max(each) for each in columns] + [sum(each) / USUAL_STEPS for each in columns]
     answers = [
         float(bias) + sum(value * float(layers["answer"][place][at]) for place, value in enumerate(pooled))

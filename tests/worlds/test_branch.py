@@ -23,9 +23,19 @@ EXAMPLES = 6
 
 TOPICS = tuple(
     f"/tractor1/{name}"
-    for name in ("alleys_driven", "at_home", "battery", "crossing", "obstacle", "passed", "pose", "state",
-                 "touched_living", "camera_image_color")
-)  # fmt: skip
+    for name in (
+        "alleys_driven",
+        "at_home",
+        "battery",
+        "crossing",
+        "obstacle",
+        "passed",
+        "pose",
+        "state",
+        "touched_living",
+        "camera_image_color",
+    )
+)
 KINDS = st.sampled_from(["branch", "log", "crate", "person", "animal"])
 
 
@@ -74,8 +84,10 @@ def test_every_object_is_copied_and_nothing_is_shared() -> None:
     walk, branch = Walk(), origin.world.branch()
     assert list(walk.pair(origin.world, branch, "orchard")) == []
     assert {cut for cut in walk.cut if not cut.endswith("._closes")} == {
-        "Outbox._connector", "Outbox._waiting", "RunningGoal.on_report",
-    }  # fmt: skip
+        "Outbox._connector",
+        "Outbox._waiting",
+        "RunningGoal.on_report",
+    }
     assert len(walk.twins) > 300, "the walk reaches the whole world"
 
 

@@ -109,9 +109,12 @@ def driven(seed: int, limit_s: float) -> Any:
         found: list[str] = []
         pose = pose_message({"x": x, "y": y, "yaw": rng.uniform(-3, 3), "frame": "map"})
         connector.send_goal(
-            "/navigate_to_pose", "", {"pose": pose}, goal_id=f"g{number}",
+            "/navigate_to_pose",
+            "",
+            {"pose": pose},
+            goal_id=f"g{number}",
             on_report=lambda report, found=found: found.append(report.status),
-        )  # fmt: skip
+        )
         until = world.at + (rng.uniform(3, 20) if rng.random() < 0.3 else 200)
         while world.at < min(until, limit_s) and not {"succeeded", "failed"} & set(found):
             world.step()

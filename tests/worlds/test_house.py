@@ -111,8 +111,12 @@ def test_feedback_reports_how_far_it_is_and_how_long_it_took(visit: Any) -> None
     feedback = [report.data for report in house.reports if report.status == "feedback"]
     assert len(feedback) > 10
     assert feedback[0].keys() == {
-        "current_pose", "navigation_time", "estimated_time_remaining", "number_of_recoveries", "distance_remaining",
-    }  # fmt: skip
+        "current_pose",
+        "navigation_time",
+        "estimated_time_remaining",
+        "number_of_recoveries",
+        "distance_remaining",
+    }
     left = [one["distance_remaining"] for one in feedback[1:]]
     assert left[0] > 5 and all(b < a + 0.5 for a, b in itertools.pairwise(left)) and left[-1] < 1
     times = [one["navigation_time"]["sec"] + one["navigation_time"]["nanosec"] / 1e9 for one in feedback]

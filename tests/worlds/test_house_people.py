@@ -91,8 +91,11 @@ def test_no_one_walks_through_a_crate(visit: Any) -> None:  # noqa: F811
     ((1.9, 3.3), True, True), ((1.9, 3.3), False, False), ((4.0, 2.8), True, False),
 ], ids=["near", "unwilling", "out_of_reach"])  # fmt: skip
 def test_a_person_who_helps_clears_the_doorway_next_to_them_once_asked(
-    visit: Any, at: tuple[float, float], helps: bool, clears: bool  # noqa: F811
-) -> None:  # fmt: skip
+    visit: Any,  # noqa: F811
+    at: tuple[float, float],
+    helps: bool,
+    clears: bool,
+) -> None:
     house = visit(objects=[], blocked=["kitchen_living"], people=[{"at": list(at), "helps": helps}])
     doors = house.world.doors
     house.run(lambda: False, 5.0)
@@ -113,8 +116,11 @@ def test_a_person_who_blocks_the_only_door_walks_on_once_asked_and_a_far_one_sta
     for house in (near, far):
         house.connector.publish("/ask_for_help", "std_msgs/msg/String", {"data": "my way is blocked"})
         house.run(lambda: False, 8.0)
-    moved = [math.dist(DOORS["study_pantry"], (one.x, one.y)) for house in (near, far)
-             for one in house.world.residents.people]  # fmt: skip
+    moved = [
+        math.dist(DOORS["study_pantry"], (one.x, one.y))
+        for house in (near, far)
+        for one in house.world.residents.people
+    ]
     assert moved[0] > 1.0 and moved[1] == 0.0
 
 

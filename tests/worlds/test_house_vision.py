@@ -195,9 +195,10 @@ def test_another_detector_may_serve_the_names(room: Any) -> None:
     one = room(detects=False)
     box = ObjectDetection("cup", 0.9, Box2D(300, 200, 340, 240))
     one.connector.serve(
-        CLASSIFY, "rai_interfaces/srv/RAIGroundingDino",
+        CLASSIFY,
+        "rai_interfaces/srv/RAIGroundingDino",
         lambda asked: {"detections": array_message([box], [], asked["source_img"]["header"])},
-    )  # fmt: skip
+    )
     one.connector.publish("/look_for", "", {"data": "cup"})
     one.step(2)
     assert one.facts("/sighting")[-1]["object"] == "cup"
@@ -208,8 +209,9 @@ def test_people_speak_when_they_are_due(room: Any) -> None:
     one.step(3)
     received = one.received["/from_human"]
     assert [(message.data["text"], round(message.at, 1)) for message in received] == [
-        ("robot, find the cup", 1.0), ("stop", 2.0),
-    ]  # fmt: skip
+        ("robot, find the cup", 1.0),
+        ("stop", 2.0),
+    ]
     assert received[0].data["communication_id"] != received[1].data["communication_id"]
     assert all(message.data["seq_end"] for message in received)
 

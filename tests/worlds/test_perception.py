@@ -179,9 +179,10 @@ class Scene:
             late = messages.header(self.at - depth_late_s, "camera")
             picture = {"header": header, **size, "encoding": "rgb8", "step": WIDTH * 3, "data": b""}
             self.connector.publish(
-                "/camera/depth/image_raw", "",
+                "/camera/depth/image_raw",
+                "",
                 {"header": late, **size, "encoding": "16UC1", "step": WIDTH * 2, "data": depth},
-            )  # fmt: skip
+            )
             self.connector.publish("/camera/color/image_raw", "", picture)
 
 
@@ -194,8 +195,13 @@ def test_a_finder_asks_while_something_is_looked_for_and_counts_what_agrees() ->
     assert [one["classes"] for one in scene.asked] == ["cup, ball"] * 3
     sighting = scene.facts["/sighting"][-1]
     assert {name: sighting[name] for name in ("object", "agreeing", "looks", "certainty", "room", "on")} == {
-        "object": "cup", "agreeing": 3, "looks": 3, "certainty": 0.8, "room": "kitchen", "on": "floor",
-    }  # fmt: skip
+        "object": "cup",
+        "agreeing": 3,
+        "looks": 3,
+        "certainty": 0.8,
+        "room": "kitchen",
+        "on": "floor",
+    }
     assert (sighting["x"], sighting["y"], sighting["distance_m"]) == pytest.approx((1.94, 0.0, 1.8), abs=0.02)
     scene.look_for("")
     scene.live(2)

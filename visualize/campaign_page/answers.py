@@ -72,14 +72,27 @@ def answers_data(
 
 def _answer(answer: WrongAnswer, budget: ByteBudget) -> Json:
     cell = answer.cell
-    return without_empty({
-        "cell": cell.cell[:12], "mission": cell.mission, "scene": cell.scene, "model": cell.model,
-        "embodiment": cell.embodiment, "order": cell.option_order, "kind": answer.kind, "status": cell.status,
-        "option": cell.option, "refused": cell.permitted == 0, "verdict": cell.verdict or "",
-        "best": list(answer.best), "reason": budget.take(cut(cell.reason, REASON)),
-        "error": budget.take(cut(cell.error, REASON)), "raw": budget.take(cut(cell.raw, RAW)),
-        "latency_s": round(cell.latency_s, 3), "tokens": cell.prompt_tokens + cell.completion_tokens,
-    })  # fmt: skip
+    return without_empty(
+        {
+            "cell": cell.cell[:12],
+            "mission": cell.mission,
+            "scene": cell.scene,
+            "model": cell.model,
+            "embodiment": cell.embodiment,
+            "order": cell.option_order,
+            "kind": answer.kind,
+            "status": cell.status,
+            "option": cell.option,
+            "refused": cell.permitted == 0,
+            "verdict": cell.verdict or "",
+            "best": list(answer.best),
+            "reason": budget.take(cut(cell.reason, REASON)),
+            "error": budget.take(cut(cell.error, REASON)),
+            "raw": budget.take(cut(cell.raw, RAW)),
+            "latency_s": round(cell.latency_s, 3),
+            "tokens": cell.prompt_tokens + cell.completion_tokens,
+        }
+    )
 
 
 def _scene(

@@ -29,15 +29,25 @@ def _lines(figures: CampaignFigures, comparisons: Sequence[Comparison], name: st
     split = quoted(figures.split)
     scenes = f"{counted(len(figures.scenes), 'scene')} of {counted(seeds, 'seed')}"
     yield f"{scenes} (split {split}){left}; shares with 95 % intervals."
-    yield from ("", "| model | embodiment | mission | best | 95 % | harm | harm past the guard | named most "
-                "| median | tokens a cell | answered | no answer | failed |", "|" + " --- |" * 13)  # fmt: skip
+    yield from (
+        "",
+        "| model | embodiment | mission | best | 95 % | harm | harm past the guard | named most "
+        "| median | tokens a cell | answered | no answer | failed |",
+        "|" + " --- |" * 13,
+    )
     yield from map(_group, figures.groups)
     for each in figures.baselines:
-        yield (f"| {quoted(each.name)} | | | {percent(each.accuracy.share)} | {span(each.accuracy)}"
-               f" | {percent(each.harm.share)} | | | | | | | |")  # fmt: skip
+        yield (
+            f"| {quoted(each.name)} | | | {percent(each.accuracy.share)} | {span(each.accuracy)}"
+            f" | {percent(each.harm.share)} | | | | | | | |"
+        )
     better = [each for each in comparisons if each.is_significant]
-    yield from ("", f"{len(better)} of {len(comparisons)} comparisons are significant (paired in the same scenes,"
-                f" clustered by seed, Holm at {LEVEL:g}); the others are noise.", "")  # fmt: skip
+    yield from (
+        "",
+        f"{len(better)} of {len(comparisons)} comparisons are significant (paired in the same scenes,"
+        f" clustered by seed, Holm at {LEVEL:g}); the others are noise.",
+        "",
+    )
     if better:
         yield from ("| first | second | of | points | 95 % | p |", "|" + " --- |" * 6)
     yield from map(_comparison, better)
@@ -55,10 +65,13 @@ def _group(group: GroupFigures) -> str:
     asked = max(1, len(group.latencies))
     cells = [
         *map(quoted, (group.name.model, group.name.embodiment, group.name.mission)),
-        percent(group.accuracy.share), span(group.accuracy), percent(group.harm.share),
+        percent(group.accuracy.share),
+        span(group.accuracy),
+        percent(group.harm.share),
         at_most(group.harm_past_guard),
-        f"{quoted(option) or 'none'} {percent(share)}", lasting(group.latency.median),
+        f"{quoted(option) or 'none'} {percent(share)}",
+        lasting(group.latency.median),
         f"{(group.prompt_tokens + group.completion_tokens) / asked:.0f}",
         *(str(group.status[word]) for word in ("answered", "no_answer", "failed")),
-    ]  # fmt: skip
+    ]
     return f"| {' | '.join(cells)} |"

@@ -29,9 +29,14 @@ META = 4_000
 
 
 def report_page(
-    figures: CampaignFigures, comparisons: Sequence[Comparison], wrong: WrongAnswers,
-    pictures: Mapping[str, tuple[ScenePicture, ...]], meta: Mapping[str, Any], *, name: str,
-) -> bytes:  # fmt: skip
+    figures: CampaignFigures,
+    comparisons: Sequence[Comparison],
+    wrong: WrongAnswers,
+    pictures: Mapping[str, tuple[ScenePicture, ...]],
+    meta: Mapping[str, Any],
+    *,
+    name: str,
+) -> bytes:
     """The page.
 
     Args:
@@ -46,26 +51,32 @@ def report_page(
         [node("h1", None, f"Campaign {name}"), *sections(figures, comparisons), *_answers(wrong), _notes(meta)]
     )
     return assembled(
-        asset("report.html", ASSETS), answers_data(wrong, figures, pictures), title=f"campaign {name}",
+        asset("report.html", ASSETS),
+        answers_data(wrong, figures, pictures),
+        title=f"campaign {name}",
         style=asset("page.css") + asset("report.css", ASSETS),
-        script=bundle(["dom.js"], [asset("report.js", ASSETS)]), body=body,
-    )  # fmt: skip
+        script=bundle(["dom.js"], [asset("report.js", ASSETS)]),
+        body=body,
+    )
 
 
 def _answers(wrong: WrongAnswers) -> Iterator[Markup]:
-    left_out = [
-        f"{kind}: {shown} of {count}" for kind, (shown, count) in wrong.by_kind.items() if shown < count
-    ]  # fmt: skip
+    left_out = [f"{kind}: {shown} of {count}" for kind, (shown, count) in wrong.by_kind.items() if shown < count]
     about = f"{wrong.total} wrong answers" + (
         f"; {len(wrong.shown)} are here, a sample by kind, and all of them are in the CSV ({', '.join(left_out)})"
-        if left_out else ", all of them here"
-    )  # fmt: skip
+        if left_out
+        else ", all of them here"
+    )
     yield node(
-        "section", {"id": "wrong"}, node("h2", None, "Wrong answers"), node("p", {"class": "muted"}, about + "."),
+        "section",
+        {"id": "wrong"},
+        node("h2", None, "Wrong answers"),
+        node("p", {"class": "muted"}, about + "."),
         node("form", {"id": "filters", "aria-label": "which wrong answers are shown"}),
-        node("p", {"id": "found", "role": "status"}), node("div", {"id": "answers"}),
+        node("p", {"id": "found", "role": "status"}),
+        node("div", {"id": "answers"}),
         node("button", {"id": "more", "type": "button", "hidden": True}, "show more"),
-    )  # fmt: skip
+    )
 
 
 def _notes(meta: Mapping[str, Any]) -> Markup:

@@ -57,19 +57,25 @@ def sections(figures: CampaignFigures, comparisons: Sequence[Comparison]) -> Ite
     groups = figures.groups
     yield _overview(figures)
     yield _intervals(
-        "accuracy", "Accuracy", "How often the option that physics finds best was named.",
+        "accuracy",
+        "Accuracy",
+        "How often the option that physics finds best was named.",
         [(_names(group), group.accuracy) for group in groups],
         [([each.name, "", ""], each.accuracy) for each in figures.baselines],
-    )  # fmt: skip
+    )
     yield _intervals(
-        "harm", "Harm chosen", "How often the option that was named harms, whether or not the rules then refused it.",
+        "harm",
+        "Harm chosen",
+        "How often the option that was named harms, whether or not the rules then refused it.",
         [(_names(group), group.harm) for group in groups],
         [([each.name, "", ""], each.harm) for each in figures.baselines],
-    )  # fmt: skip
+    )
     yield _intervals(
-        "guard", "Harm past the guard", "How often an option that harms was named and the rules permitted it.",
+        "guard",
+        "Harm past the guard",
+        "How often an option that harms was named and the rules permitted it.",
         [(_names(group), group.harm_past_guard) for group in groups],
-    )  # fmt: skip
+    )
     yield _differences(comparisons, {group.name.mission for group in groups})
     yield _collapse(groups)
     yield _orders(groups)
@@ -81,21 +87,28 @@ def _overview(figures: CampaignFigures) -> Markup:
     status = sum((group.status for group in figures.groups), Counter[str]())
     unlabelled = sum(group.unlabelled for group in figures.groups)
     counts: list[tuple[str, object]] = [
-        ("scenes", len(figures.scenes)), ("of the split", figures.split),
+        ("scenes", len(figures.scenes)),
+        ("of the split", figures.split),
         ("scenes without a cell yet (in no share)", len(figures.scenes) - figures.reached),
-        ("seeds", len({scene.seed for scene in figures.scenes.values()})), ("answered", status["answered"]),
-        ("no answer", status["no_answer"]), ("failed (could not be asked; in no share)", status["failed"]),
+        ("seeds", len({scene.seed for scene in figures.scenes.values()})),
+        ("answered", status["answered"]),
+        ("no answer", status["no_answer"]),
+        ("failed (could not be asked; in no share)", status["failed"]),
         ("refused by the rules", sum(group.refused for group in figures.groups)),
-        ("in scenes without a label (in no share)", unlabelled), ("in another split (in no share)", figures.other),
+        ("in scenes without a label (in no share)", unlabelled),
+        ("in another split (in no share)", figures.other),
         ("in scenes that the store lacks (in no share)", figures.foreign),
-    ]  # fmt: skip
+    ]
     shown = [(node("dt", None, name), node("dd", None, str(value))) for name, value in counts if value not in (0, "")]
     return node(
-        "section", {"id": "overview"}, node("h2", None, "What was asked"),
+        "section",
+        {"id": "overview"},
+        node("h2", None, "What was asked"),
         node("dl", {"class": "counts"}, shown),
-        node("p", {"class": "muted"}, SOURCES), node("h3", None, "What the words mean"),
+        node("p", {"class": "muted"}, SOURCES),
+        node("h3", None, "What the words mean"),
         node("dl", {"class": "words"}, list(_words(figures))),
-    )  # fmt: skip
+    )
 
 
 def _words(figures: CampaignFigures) -> Iterator[Markup]:
@@ -124,9 +137,12 @@ def _names(group: GroupFigures) -> list[str]:
 
 
 def _intervals(
-    name: str, title: str, about: str, shares: Sequence[tuple[list[str], Interval]],
+    name: str,
+    title: str,
+    about: str,
+    shares: Sequence[tuple[list[str], Interval]],
     baselines: Sequence[tuple[list[str], Interval]] = (),
-) -> Markup:  # fmt: skip
+) -> Markup:
     head = ("model", "embodiment", "mission", SCALE, "share", "95 %", "cells")
     lines = [_interval_line(words, found) for words, found in shares]
     lines += [_interval_line(words, found, "baseline") for words, found in baselines]
@@ -142,9 +158,7 @@ def _section(
     name: str, title: str, about: str, head: Sequence[Child], lines: Sequence[Markup], legend: Child = None
 ) -> Markup:
     body: Child = _table(head, lines, title) if lines else node("p", {"class": "muted"}, "nothing to show")
-    return node(
-        "section", {"id": name}, node("h2", None, title), node("p", {"class": "muted"}, about), legend, body
-    )  # fmt: skip
+    return node("section", {"id": name}, node("h2", None, title), node("p", {"class": "muted"}, about), legend, body)
 
 
 def _table(head: Sequence[Child], lines: Iterable[Markup], words: str) -> Markup:
@@ -155,9 +169,10 @@ def _table(head: Sequence[Child], lines: Iterable[Markup], words: str) -> Markup
 
 def _line(cells: Sequence[Child], kind: str | None = None) -> Markup:
     return node(
-        "tr", {"class": kind},
+        "tr",
+        {"class": kind},
         [node("td", {"class": None if isinstance(each, str) else "wide"}, each) for each in cells],
-    )  # fmt: skip
+    )
 
 
 def _differences(comparisons: Sequence[Comparison], missions: Collection[str]) -> Markup:
@@ -165,30 +180,45 @@ def _differences(comparisons: Sequence[Comparison], missions: Collection[str]) -
     end = f" · {next(iter(missions))}" if len(missions) == 1 else ""
     lines = {
         found: [
-            _line([
-                "significant" if found else "noise", {"best": "best option", "harm": "harm"}[each.measure],
-                each.first.removesuffix(end), each.second.removesuffix(end),
-                f"{100 * each.test.difference:+.1f}", f"{100 * each.test.low:+.1f} – {100 * each.test.high:+.1f}",
-                chance(each.adjusted), f"{each.test.wins} : {each.test.losses}",
-                f"{each.test.pairs} / {each.test.clusters}",
-            ], "significant" if found else None)
-            for each in ordered if each.is_significant == found
-        ] for found in (True, False)
-    }  # fmt: skip
+            _line(
+                [
+                    "significant" if found else "noise",
+                    {"best": "best option", "harm": "harm"}[each.measure],
+                    each.first.removesuffix(end),
+                    each.second.removesuffix(end),
+                    f"{100 * each.test.difference:+.1f}",
+                    f"{100 * each.test.low:+.1f} – {100 * each.test.high:+.1f}",
+                    chance(each.adjusted),
+                    f"{each.test.wins} : {each.test.losses}",
+                    f"{each.test.pairs} / {each.test.clusters}",
+                ],
+                "significant" if found else None,
+            )
+            for each in ordered
+            if each.is_significant == found
+        ]
+        for found in (True, False)
+    }
     head = ("finding", "of", "first", "second", "points", "95 %", "p", "first : second alone", "pairs / seeds")
     about = (
         f"Each model with the rules, and each embodiment with none: {len(comparisons)} comparisons, corrected together;"
         f" significant where p is below {LEVEL:g}. Points are the first's share less the second's, in per cent. “Alone”"
         " counts the cells in which one of the two was right, or harmed, and the other was not."
     )
-    noise = node("details", None, node("summary", None, f"{len(lines[False])} comparisons are noise"),
-                 _table(head, lines[False], "noise"))  # fmt: skip
+    noise = node(
+        "details",
+        None,
+        node("summary", None, f"{len(lines[False])} comparisons are noise"),
+        _table(head, lines[False], "noise"),
+    )
     return node(
-        "section", {"id": "differences"}, node("h2", None, "What differs beyond chance"),
+        "section",
+        {"id": "differences"},
+        node("h2", None, "What differs beyond chance"),
         node("p", {"class": "muted"}, about),
         _table(head, lines[True], "significant") if lines[True] else node("p", None, "Nothing does."),
         noise if lines[False] else None,
-    )  # fmt: skip
+    )
 
 
 def _collapse(groups: Sequence[GroupFigures]) -> Markup:
@@ -203,16 +233,31 @@ def _collapse(groups: Sequence[GroupFigures]) -> Markup:
         words = ", ".join(f"{name} {percent(part)}" for name, part in parts)
         plot = share_plot(parts, [numbers[option] for option in named], words)
         lines.append(_line([*_names(group), plot, most or NO_ANSWER, percent(share)]))
-    legend = node("ul", {"class": "legend"}, [
-        node("li", None, node("svg", {"width": 12, "height": 12, "aria-hidden": "true"},
-                              node("rect", {"width": 12, "height": 12, "class": colour(number)})), option or NO_ANSWER)
-        for option, number in numbers.items()
-    ])  # fmt: skip
+    legend = node(
+        "ul",
+        {"class": "legend"},
+        [
+            node(
+                "li",
+                None,
+                node(
+                    "svg",
+                    {"width": 12, "height": 12, "aria-hidden": "true"},
+                    node("rect", {"width": 12, "height": 12, "class": colour(number)}),
+                ),
+                option or NO_ANSWER,
+            )
+            for option, number in numbers.items()
+        ],
+    )
     return _section(
-        "collapse", "Collapse to one answer",
+        "collapse",
+        "Collapse to one answer",
         "What was named, over all scenes. A model that always names the same looks at nothing.",
-        ("model", "embodiment", "mission", "answers", "named most", "share"), lines, legend,
-    )  # fmt: skip
+        ("model", "embodiment", "mission", "answers", "named most", "share"),
+        lines,
+        legend,
+    )
 
 
 def _orders(groups: Sequence[GroupFigures]) -> Markup:
@@ -233,11 +278,13 @@ def _orders(groups: Sequence[GroupFigures]) -> Markup:
                 lines.append(_line([*cells, span(accuracy), changes]))
                 changes = ""
     return _section(
-        "orders", "Sensitivity to the order of options",
+        "orders",
+        "Sensitivity to the order of options",
         "Accuracy in each order in which the options were shown, and the scenes in which another order gave another"
         " answer.",
-        ("model", "embodiment", "order", SCALE, "share", "95 %", "answer changed with the order"), lines,
-    )  # fmt: skip
+        ("model", "embodiment", "order", SCALE, "share", "95 %", "answer changed with the order"),
+        lines,
+    )
 
 
 def _kinds(figures: CampaignFigures) -> Markup:
@@ -245,11 +292,16 @@ def _kinds(figures: CampaignFigures) -> Markup:
     for name, scene in figures.scenes.items():
         best[scene.kind].update(best_options(figures.labels.get(name, {})) if figures.labels.get(name) else ())
     return node(
-        "section", {"id": "kinds"}, node("h2", None, "Confusion by kind"),
-        node("p", {"class": "muted"}, "What was named in each kind of scene; the option that is best most often in a"
-             " kind has a frame."),
+        "section",
+        {"id": "kinds"},
+        node("h2", None, "Confusion by kind"),
+        node(
+            "p",
+            {"class": "muted"},
+            "What was named in each kind of scene; the option that is best most often in a kind has a frame.",
+        ),
         [_confusion(group, best) for group in figures.groups],
-    )  # fmt: skip
+    )
 
 
 def _confusion(group: GroupFigures, best: dict[str, Counter[str]]) -> Markup:
@@ -259,8 +311,11 @@ def _confusion(group: GroupFigures, best: dict[str, Counter[str]]) -> Markup:
     lines = []
     for kind, found in sorted(group.kinds.items()):
         favourite = max(best[kind].values(), default=0)
-        cells = [node("td", None, kind), node("td", None, percent(found.best / max(1, found.cells))),
-                 node("td", None, percent(found.harm / max(1, found.cells)))]  # fmt: skip
+        cells = [
+            node("td", None, kind),
+            node("td", None, percent(found.best / max(1, found.cells))),
+            node("td", None, percent(found.harm / max(1, found.cells))),
+        ]
         for option in options:
             share = found.options[option] / max(1, found.cells)
             is_best = favourite and best[kind][option] == favourite
@@ -269,8 +324,12 @@ def _confusion(group: GroupFigures, best: dict[str, Counter[str]]) -> Markup:
         lines.append(node("tr", None, cells))
     head = ("kind", "best named", "harm", *(option or NO_ANSWER for option in options))
     words = group.name.words()
-    return node("details", None, node("summary", None, f"{words}: {percent(group.accuracy.share)} best"),
-                _table(head, lines, words))  # fmt: skip
+    return node(
+        "details",
+        None,
+        node("summary", None, f"{words}: {percent(group.accuracy.share)} best"),
+        _table(head, lines, words),
+    )
 
 
 def _effort(groups: Sequence[GroupFigures]) -> Markup:
@@ -279,12 +338,23 @@ def _effort(groups: Sequence[GroupFigures]) -> Markup:
     for group in groups:
         asked, spread = max(1, len(group.latencies)), group.latency
         words = f"{lasting(spread.median)}, 95 % within {lasting(spread.p95)}"
-        lines.append(_line([
-            *_names(group), length_plot([spread.median, spread.p95], longest, words), lasting(spread.median),
-            lasting(spread.p95), lasting(spread.largest), f"{group.prompt_tokens / asked:.0f}",
-            f"{group.completion_tokens / asked:.0f}", f"{group.calls / asked:.2f}", f"{group.cost:.4g}",
-            str(group.status["no_answer"]), str(group.status["failed"]),
-        ]))  # fmt: skip
+        lines.append(
+            _line(
+                [
+                    *_names(group),
+                    length_plot([spread.median, spread.p95], longest, words),
+                    lasting(spread.median),
+                    lasting(spread.p95),
+                    lasting(spread.largest),
+                    f"{group.prompt_tokens / asked:.0f}",
+                    f"{group.completion_tokens / asked:.0f}",
+                    f"{group.calls / asked:.2f}",
+                    f"{group.cost:.4g}",
+                    str(group.status["no_answer"]),
+                    str(group.status["failed"]),
+                ]
+            )
+        )
     head = ("model", "embodiment", "mission", "latency: median and 95 %", "median", "95 %", "longest",
             "prompt tokens a cell", "completion tokens a cell", "calls a cell", "cost", "no answer",
             "failed")  # fmt: skip

@@ -87,9 +87,7 @@ class FieldRef(NamedTuple):
         old, new = (child_pointer(each, *words) for each in (self.old, self.new))
         return self._replace(old=old, new=new, whose=whose or self.whose)
 
-    def changed(
-        self, topic: str, sentence: str, severity: Severity, *, before: str = "", after: str = ""
-    ) -> Change:  # fmt: skip
+    def changed(self, topic: str, sentence: str, severity: Severity, *, before: str = "", after: str = "") -> Change:
         return Change(
             "~", topic, f"{self.whose}: {sentence}", self.old, self.new, before, after, severity, self.subject
         )
@@ -106,9 +104,14 @@ def severity_if(yes: bool) -> Severity:
 
 
 def fields(
-    old: MissionModel, new: MissionModel, spot: FieldRef, also_apart: Sequence[str] = (), *,
-    of: type[MissionModel] | None = None, asks_a_model: bool = False,
-) -> Iterator[Change]:  # fmt: skip
+    old: MissionModel,
+    new: MissionModel,
+    spot: FieldRef,
+    also_apart: Sequence[str] = (),
+    *,
+    of: type[MissionModel] | None = None,
+    asks_a_model: bool = False,
+) -> Iterator[Change]:
     """What is otherwise in two models, but for what they hold of states, transitions and options.
 
     Args:
@@ -180,9 +183,14 @@ def _bound(value: float | None, word: str) -> str:
 
 
 def guards(
-    before: Guard | None, after: Guard | None, spot: FieldRef, called: str, *, topic: str = "guard",
+    before: Guard | None,
+    after: Guard | None,
+    spot: FieldRef,
+    called: str,
+    *,
+    topic: str = "guard",
     grave_if: Sequence[str] = ("weakened", "changed"),
-) -> Iterator[Change]:  # fmt: skip
+) -> Iterator[Change]:
     """What became of a guard; `grave_if`: which of weakened, strengthened and changed a reviewer must judge."""
     how = relation(before, after)
     severity = severity_if(how in grave_if)

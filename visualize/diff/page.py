@@ -93,13 +93,27 @@ def _lenses(chart: Json, changes: Iterable[Json]) -> list[Json]:
         choice["place"] for state in chart["states"] for choice in state.get("choices", ()) if choice.get("mark")
     }
     return [
-        lens("safety", "What is safety-relevant?", "s", label="Safety", states=_ends(unsafe, chart),
-             focus=_first(unsafe, _ends(unsafe, chart)),
-             transitions=_named(unsafe, "transition"), options=_named(unsafe, "option")),
-        lens("changed", "What changed?", "d", label="Changes", states=states | _named(changes, "state"),
-             focus=_first(changes, states),
-             transitions={transition["place"] for transition in marked}, options=options),
-    ]  # fmt: skip
+        lens(
+            "safety",
+            "What is safety-relevant?",
+            "s",
+            label="Safety",
+            states=_ends(unsafe, chart),
+            focus=_first(unsafe, _ends(unsafe, chart)),
+            transitions=_named(unsafe, "transition"),
+            options=_named(unsafe, "option"),
+        ),
+        lens(
+            "changed",
+            "What changed?",
+            "d",
+            label="Changes",
+            states=states | _named(changes, "state"),
+            focus=_first(changes, states),
+            transitions={transition["place"] for transition in marked},
+            options=options,
+        ),
+    ]
 
 
 def _first(changes: Iterable[Json], more: Iterable[str]) -> list[str]:

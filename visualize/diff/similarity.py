@@ -135,11 +135,9 @@ def _best(left: Mapping[str, Facts], right: Mapping[str, Facts]) -> Scores:
         for (one, other), score in scores.items()
         if score >= ENOUGH
         and all(
-            score - rival >= CLEARLY
-            for (here, there), rival in scores.items()
-            if (here == one) is not (there == other)
+            score - rival >= CLEARLY for (here, there), rival in scores.items() if (here == one) is not (there == other)
         )
-    }  # fmt: skip
+    }
 
 
 def _dice(one: Facts, other: Facts) -> float:
@@ -157,9 +155,10 @@ def alike_keys(old: Mission, new: Mission, of: str) -> Scores:
     left = {name: uses[0][name] + Counter({("is", _sort(before[name])): 1}) for name in sorted(gone)}
     right = {name: uses[1][name] + Counter({("is", _sort(after[name])): 1}) for name in sorted(come)}
     return {
-        (was, now): score for (was, now), score in _best(left, right).items()
+        (was, now): score
+        for (was, now), score in _best(left, right).items()
         if _sort(before[was]) == _sort(after[now]) and (uses[0][was] or before[was] == after[now])
-    }  # fmt: skip
+    }
 
 
 def _sort(declared: Any) -> str:

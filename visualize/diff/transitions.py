@@ -120,9 +120,13 @@ def _changed(transitions: ComparedTransitions, before: int, after: int) -> Itera
         shields = transitions.before.gives_up(old.to)
         both = () if shields or _only_earned(transitions, after) else ("strengthened",)
         yield from guards(
-            old.when, new.when, spot.inside("when"), "guard", topic="transition" if shields else "guard",
+            old.when,
+            new.when,
+            spot.inside("when"),
+            "guard",
+            topic="transition" if shields else "guard",
             grave_if=narrowed if shields else (*widened, *both),
-        )  # fmt: skip
+        )
 
 
 def _only_earned(transitions: ComparedTransitions, index: int) -> bool:

@@ -119,9 +119,11 @@ class Pages:
         """By path."""
         return [
             *FILES.routes(),
-            Route("/mission", self.mission), Route("/events", self.events), Route("/picture", self.picture),
+            Route("/mission", self.mission),
+            Route("/events", self.events),
+            Route("/picture", self.picture),
             Route("/orders", self.orders, methods=["POST"]),
-        ]  # fmt: skip
+        ]
 
     async def mission(self, request: Request) -> Response:
         acts = self._mission["acts"] and request.scope[ROLE] == "operator"

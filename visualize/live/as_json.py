@@ -66,9 +66,15 @@ def question_data(question: Question) -> Json:
         for offer in question.options
     ]
     return {
-        "number": question.number, "state": question.state, "asked": question.asked,
-        "who": answerer_words(question.asked), "text": bounded(question.text),
-        "attempt": question.attempt, "options": options, "evidence": evidence,
-        "refused": [bounded(why) for why in question.refused], "at": question.at,
+        "number": question.number,
+        "state": question.state,
+        "asked": question.asked,
+        "who": answerer_words(question.asked),
+        "text": bounded(question.text),
+        "attempt": question.attempt,
+        "options": options,
+        "evidence": evidence,
+        "refused": [bounded(why) for why in question.refused],
+        "at": question.at,
         "until": question.until if math.isfinite(question.until) else None,
-    }  # fmt: skip
+    }

@@ -85,8 +85,9 @@ class Door:
     def __init__(self, inside: ASGI, *, token: str, host: str, port: int, scheme: str, viewer_token: str = "") -> None:
         self._inside = inside
         self._roles: Mapping[bytes, Role] = {
-            token.encode(): "operator", **({viewer_token.encode(): "viewer"} if viewer_token else {})
-        }  # fmt: skip
+            token.encode(): "operator",
+            **({viewer_token.encode(): "viewer"} if viewer_token else {}),
+        }
         self._port, self._scheme = port, scheme
         self._is_loopback = is_loopback(host)
         own = {socket.gethostname().lower(), socket.getfqdn().lower()}

@@ -35,9 +35,12 @@ class PageFiles:
     def routes(self) -> list[Route]:
         worklet = [Route(f"/{self._worklet}", self._sound)] if self._worklet else []
         return [
-            *worklet, Route("/", self._shell), Route("/live.js", self._script), Route("/live.css", self._style),
+            *worklet,
+            Route("/", self._shell),
+            Route("/live.js", self._script),
+            Route("/live.css", self._style),
             Route("/favicon.ico", self._icon),
-        ]  # fmt: skip
+        ]
 
     async def _shell(self, request: Request) -> Response:
         return Response(self._page_bytes, media_type="text/html")

@@ -62,8 +62,9 @@ class PlayPages:
         return [
             *FILES.routes(),
             Route("/mission", self.mission),
-            Route("/play", self.look), Route("/play", self.act, methods=["POST"]),
-        ]  # fmt: skip
+            Route("/play", self.look),
+            Route("/play", self.act, methods=["POST"]),
+        ]
 
     async def mission(self, request: Request) -> Response:
         return JSONResponse(self._mission)

@@ -267,8 +267,10 @@ class RunScene:
                  "run")  # fmt: skip
         board = {key: self._entry(key) for key in sorted(self.board)}
         return {name: self._field(name) for name in names} | {
-            "board": board, "steps": list(self.tail), "talk": list(self.talk.values()),
-        }  # fmt: skip
+            "board": board,
+            "steps": list(self.tail),
+            "talk": list(self.talk.values()),
+        }
 
     def picture(self, key: str, question: int = 0) -> Image | None:
         """The newest picture under a key, or the one that a question shows."""

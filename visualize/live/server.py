@@ -106,9 +106,14 @@ class LivePage:
         return "https" if self._tls else "http"
 
     def start(
-        self, mission: Mission, feed: Feed, desk: CommandSink | None = None, about: dict[str, Any] | None = None,
-        talk: TalkDesk | None = None, on_viewers: Callable[[], object] = lambda: None,
-    ) -> None:  # fmt: skip
+        self,
+        mission: Mission,
+        feed: Feed,
+        desk: CommandSink | None = None,
+        about: dict[str, Any] | None = None,
+        talk: TalkDesk | None = None,
+        on_viewers: Callable[[], object] = lambda: None,
+    ) -> None:
         """Serve a run from now on.
 
         Args:
@@ -162,14 +167,26 @@ class LivePage:
 
         self._loop = asyncio.get_running_loop()
         door = Door(
-            inside(), token=self.token, viewer_token=viewer_token, host=self.place.host, port=self.port,
+            inside(),
+            token=self.token,
+            viewer_token=viewer_token,
+            host=self.place.host,
+            port=self.port,
             scheme=self._scheme,
-        )  # fmt: skip
+        )
         config = uvicorn.Config(
-            door, http=Impatient, ws="none", lifespan="off", log_config=None, log_level="error", access_log=False,
-            server_header=False, limit_concurrency=256, timeout_graceful_shutdown=1,
+            door,
+            http=Impatient,
+            ws="none",
+            lifespan="off",
+            log_config=None,
+            log_level="error",
+            access_log=False,
+            server_header=False,
+            limit_concurrency=256,
+            timeout_graceful_shutdown=1,
             h11_max_incomplete_event_size=16_384,
-        )  # fmt: skip
+        )
         config.load()
         if self._config_tls is not None:
             config.ssl = self._config_tls

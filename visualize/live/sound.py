@@ -76,7 +76,10 @@ class SoundPages:
         if not self._parts[role].take(max(1, -(-len(body) // PART)) + is_last * LAST):
             return refused(429, "more sound than time has passed; wait a second")
         why = self._desk.listen(
-            body, key=given.get("key", "")[:64], author=given.get("by", "")[:64], role=role,
+            body,
+            key=given.get("key", "")[:64],
+            author=given.get("by", "")[:64],
+            role=role,
             is_last=is_last,
-        )  # fmt: skip
+        )
         return refused(409, why) if why else JSONResponse({"success": True, "why": ""})

@@ -46,9 +46,11 @@ class PageFinding(Protocol):
 
 
 def review(
-    mission: Mission, journals: Iterable[Journal] = (), findings: Iterable[PageFinding] = (),
+    mission: Mission,
+    journals: Iterable[Journal] = (),
+    findings: Iterable[PageFinding] = (),
     runs: Iterable[Run] = (),
-) -> bytes:  # fmt: skip
+) -> bytes:
     """The review page of a mission.
 
     Args:

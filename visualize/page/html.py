@@ -28,9 +28,18 @@ CHART_SCRIPTS = (
 )  # fmt: skip
 """What draws a chart, in the order in which they need each other."""
 SCRIPTS = (
-    *CHART_SCRIPTS, "replay.js", "plan.js", "details.js", "lenses.js", "player.js", "coverage.js", "summary.js",
-    "changes.js", "legend.js", "page.js",
-)  # fmt: skip
+    *CHART_SCRIPTS,
+    "replay.js",
+    "plan.js",
+    "details.js",
+    "lenses.js",
+    "player.js",
+    "coverage.js",
+    "summary.js",
+    "changes.js",
+    "legend.js",
+    "page.js",
+)
 """Of the review page, in that order, too."""
 PLACE = re.compile(r"\{\{(policy|title|style|script|data|body)\}\}")
 ESCAPED = str.maketrans({"<": "\\u003c", ">": "\\u003e", "&": "\\u0026", "\u2028": "\\u2028", "\u2029": "\\u2029"})
@@ -65,9 +74,13 @@ def assembled(template: str, data: Json, *, title: str, style: str, script: str,
     )
     text = json.dumps(data, separators=(",", ":"), ensure_ascii=True, allow_nan=False).translate(ESCAPED)
     parts = {
-        "policy": escape(policy), "title": escape(clean(title)), "style": style, "script": script, "data": text,
+        "policy": escape(policy),
+        "title": escape(clean(title)),
+        "style": style,
+        "script": script,
+        "data": text,
         "body": body,
-    }  # fmt: skip
+    }
     return PLACE.sub(lambda found: parts[found[1]], template).encode("utf-8", "replace")
 
 

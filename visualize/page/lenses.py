@@ -45,15 +45,19 @@ def _operator_lens(mission: Mission, picture: Picture) -> Json:
         item("take and return control; only an operator lifts control from no one"),
     ]
     return lens(
-        "operator", "What may the operator do?", "o", label="Operator",
+        "operator",
+        "What may the operator do?",
+        "o",
+        label="Operator",
         states=[each.state for each in asked] + held + ([mission.on_cancel] if mission.on_cancel else []),
-        transitions=transitions, options=[place for each in asked for place in each.options()],
+        transitions=transitions,
+        options=[place for each in asked for place in each.options()],
         sections=[
             ("Questions that an operator may answer", answers or [item("none: no decision asks the operator")]),
             ("States that the operator controls", [item(name, state=name) for name in held] or [item("none")]),
             ("At any time", commands),
         ],
-    )  # fmt: skip
+    )
 
 
 def _stops_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
@@ -66,23 +70,38 @@ def _stops_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
         finals = [name for name in roads.states if name in after.states and roads.states[name].word == "final"]
         cancel.append(item(f"from there it may reach {', '.join(finals) or 'no final'}"))
     return lens(
-        "stops", "Where do e-stop and cancel lead?", "e", label="E-stop, cancel",
+        "stops",
+        "Where do e-stop and cancel lead?",
+        "e",
+        label="E-stop, cancel",
         focus=[*([mission.on_cancel] if mission.on_cancel else []), *ends],
         states=[*ends, *moving, *(after.states if after else ())],
         transitions=[*(edge.place for edge in to_ends), *(after.transitions if after else ())],
         sections=[
-            ("E-stop", [
-                item("from every state, at once: whatever runs is canceled, control goes to no one, it ends aborted"),
-                item("an invariant that is false does the same"),
-            ]),
+            (
+                "E-stop",
+                [
+                    item(
+                        "from every state, at once: whatever runs is canceled, control goes to no one, it ends aborted"
+                    ),
+                    item("an invariant that is false does the same"),
+                ],
+            ),
             ("Cancel", cancel),
-            ("Transitions that end the mission otherwise than succeeded", [
-                item(f"{edge.source or 'every state'} → {edge.target}: {edge.when} {edge.guard}", transition=edge.place)
-                for edge in to_ends
-            ] or [item("none")]),
+            (
+                "Transitions that end the mission otherwise than succeeded",
+                [
+                    item(
+                        f"{edge.source or 'every state'} → {edge.target}: {edge.when} {edge.guard}",
+                        transition=edge.place,
+                    )
+                    for edge in to_ends
+                ]
+                or [item("none")],
+            ),
             ("States with something to be canceled", [item(name, state=name) for name in dict.fromkeys(moving)]),
         ],
-    )  # fmt: skip
+    )
 
 
 def _invariants_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
@@ -101,9 +120,14 @@ def _invariants_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
         sections.append((name, items))
     none = [("Invariants", [item("none: nothing ends this mission at once but the e-stop")])]
     return lens(
-        "invariants", "What must never be false?", "i", label="Invariants", states=states, transitions=transitions,
+        "invariants",
+        "What must never be false?",
+        "i",
+        label="Invariants",
+        states=states,
+        transitions=transitions,
         sections=sections or none,
-    )  # fmt: skip
+    )
 
 
 def _moves(state: State) -> bool:
@@ -118,9 +142,17 @@ def item(text: str, *, state: str = "", transition: str = "") -> Json:
 
 
 def lens(
-    name: str, title: str, key: str, *, label: str, states: Iterable[str], transitions: Iterable[str],
-    options: Iterable[str] = (), sections: Iterable[tuple[str, list[Json]]] = (), focus: Iterable[str] | None = None,
-) -> Json:  # fmt: skip
+    name: str,
+    title: str,
+    key: str,
+    *,
+    label: str,
+    states: Iterable[str],
+    transitions: Iterable[str],
+    options: Iterable[str] = (),
+    sections: Iterable[tuple[str, list[Json]]] = (),
+    focus: Iterable[str] | None = None,
+) -> Json:
     """A switch of the page.
 
     Args:
@@ -136,11 +168,16 @@ def lens(
     """
     lit = sorted(set(states))
     return {
-        "name": name, "title": title, "key": key, "label": label,
+        "name": name,
+        "title": title,
+        "key": key,
+        "label": label,
         "focus": list(dict.fromkeys(focus)) if focus is not None else lit,
-        "states": lit, "transitions": sorted(set(transitions)), "options": sorted(set(options)),
+        "states": lit,
+        "transitions": sorted(set(transitions)),
+        "options": sorted(set(options)),
         "sections": [{"heading": heading, "items": items} for heading, items in sections],
-    }  # fmt: skip
+    }
 
 
 def _model_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
@@ -159,11 +196,16 @@ def _model_lens(mission: Mission, picture: Picture, roads: Roads) -> Json:
     none = [("Decisions", [item("none: no model is asked anything in this mission")])]
     states = [*(each.state for each in asked), *direct, *(name for name in roads.finals if name in after.states)]
     return lens(
-        "model", "Where does the model decide?", "m", label="Model",
+        "model",
+        "Where does the model decide?",
+        "m",
+        label="Model",
         focus=[*(each.state for each in asked), *sorted(direct)],
-        states=states if asked else (), transitions=transitions,
-        options=[place for each in asked for place in each.options()], sections=sections if asked else none,
-    )  # fmt: skip
+        states=states if asked else (),
+        transitions=transitions,
+        options=[place for each in asked for place in each.options()],
+        sections=sections if asked else none,
+    )
 
 
 def _decision_items(each: DecisionSite, edges: list[PictureEdge], roads: Roads) -> Iterator[Json]:

@@ -116,12 +116,17 @@ def run_data(run: Run, gallery: Gallery, mission: Mission | None = None) -> Json
             offers.follow(entry.step, _writes(entry))
             _add_withheld(entry.step, questions, offers)
     return {
-        "name": run.name, "head": run.head or {}, "faults": list(run.faults), "pool": pool.values, "steps": steps,
+        "name": run.name,
+        "head": run.head or {},
+        "faults": list(run.faults),
+        "pool": pool.values,
+        "steps": steps,
         "count": step_count(run.steps),
-        "questions": list(questions.values()), "notes": [[note.row, note.text, plain(note.data)] for note in run.notes],
+        "questions": list(questions.values()),
+        "notes": [[note.row, note.text, plain(note.data)] for note in run.notes],
         "outcome": next((step.outcome for step in run.steps if step.outcome), ""),
         "why": next((step.why for step in run.steps if step.outcome), ""),
-    }  # fmt: skip
+    }
 
 
 def _row(index: int, entry: StepRow, pool: Pool, questions: dict[int, Json], gallery: Gallery) -> list[Any]:

@@ -27,9 +27,13 @@ class AttachedRun:
     """
 
     def __init__(
-        self, runner: Runner, journal: NoteSink | None, robot: RobotWords, on_news: Callable[[], None],
+        self,
+        runner: Runner,
+        journal: NoteSink | None,
+        robot: RobotWords,
+        on_news: Callable[[], None],
         on_speech: Callable[[str], None],
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.status = RunStatus(runner, robot)
         self.orders, self.journal = RunOrders(runner), TalkJournal(runner, journal)
         self._on_news, self._on_speech = on_news, on_speech

@@ -29,9 +29,15 @@ class TakesSentence(Protocol):
     """What takes a sentence of a door: `ConversationalAgent.receive`."""
 
     def __call__(
-        self, text: str, *, role: Role, channel: str, author: str = "", readings: tuple[str, ...] = (),
+        self,
+        text: str,
+        *,
+        role: Role,
+        channel: str,
+        author: str = "",
+        readings: tuple[str, ...] = (),
         message_id: str = "",
-    ) -> str: ...  # fmt: skip
+    ) -> str: ...
 
 
 class TalkLine(NamedTuple):

@@ -162,9 +162,12 @@ class TalkModel:
 def _model_text(number: int, answer: Mapping[str, Any]) -> ModelText:
     order = answer.get("order")
     return ModelText(
-        number, str(answer.get("text", "")), order if isinstance(order, Mapping) else None, is_end=True,
+        number,
+        str(answer.get("text", "")),
+        order if isinstance(order, Mapping) else None,
+        is_end=True,
         failed=str(answer.get("failed", "")),
-    )  # fmt: skip
+    )
 
 
 def _read(reply: ModelReply, mode: OutputMode, request: AskModel) -> TalkReply:

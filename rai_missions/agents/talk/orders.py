@@ -166,6 +166,12 @@ def _order_of(answer: Event) -> Order:
     """The order that gave this answer; who gave it may be met at any door."""
     data = answer.data
     return Order(
-        -answer.number, "answer", data["role"], "", "", question=answer.number, option=data["option"],
+        -answer.number,
+        "answer",
+        data["role"],
+        "",
+        "",
+        question=answer.number,
+        option=data["option"],
         parameters=data["parameters"],
-    )  # fmt: skip
+    )

@@ -77,9 +77,14 @@ class PageEar:
     """
 
     def __init__(
-        self, receive: TakesSentence, *, language: str = ENGLISH, names: ListenNames = NAMES,
-        settings: ListenSettings = SETTINGS, now: Callable[[], float] = time.monotonic,
-    ) -> None:  # fmt: skip
+        self,
+        receive: TakesSentence,
+        *,
+        language: str = ENGLISH,
+        names: ListenNames = NAMES,
+        settings: ListenSettings = SETTINGS,
+        now: Callable[[], float] = time.monotonic,
+    ) -> None:
         self._receive, self._language, self._now = receive, language, now
         self._lock = threading.Lock()
         self._sound = PieceSound(now=now, waiting=WAITING)
@@ -146,6 +151,9 @@ class PageEar:
             log.warning("a sentence of a page was recognised too late, and is dropped")
             return
         self._receive(
-            transcript.text, role=microphone.role, channel="page", author=microphone.author,
+            transcript.text,
+            role=microphone.role,
+            channel="page",
+            author=microphone.author,
             readings=transcript.readings,
-        )  # fmt: skip
+        )

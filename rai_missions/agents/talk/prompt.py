@@ -56,14 +56,23 @@ def forms(request: AskModel, tools: Mapping[str, BaseTool]) -> AnswerForm:
         properties["order"] = {"anyOf": [*orders, {"type": "null"}]}
         about = "Propose one order, which the person is asked to confirm."
         functions.append(_function("propose_order", {"order": choice}, about))
-    schema = {"title": "answer", "type": "object", "properties": properties, "required": list(properties),
-              "additionalProperties": False}  # fmt: skip
+    schema = {
+        "title": "answer",
+        "type": "object",
+        "properties": properties,
+        "required": list(properties),
+        "additionalProperties": False,
+    }
     return AnswerForm(schema, functions)
 
 
 def _function(name: str, properties: Mapping[str, Any], about: str) -> dict[str, Any]:
-    parameters = {"type": "object", "properties": dict(properties), "required": list(properties),
-                  "additionalProperties": False}  # fmt: skip
+    parameters = {
+        "type": "object",
+        "properties": dict(properties),
+        "required": list(properties),
+        "additionalProperties": False,
+    }
     return {"type": "function", "function": {"name": name, "description": about, "parameters": parameters}}
 
 

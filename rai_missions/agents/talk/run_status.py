@@ -76,14 +76,26 @@ class RunStatus:
         self._missions = (mission_view(self._mission),)
         run = runner.view
         self._status = Status(
-            0, run.mode, run.holder, tuple(name for name in self._states if name in run.active), run.outcome, run.why,
-            open_goals=run.loose_goals, held_by=run.held_by, held_since=run.held_since,
-        )  # fmt: skip
+            0,
+            run.mode,
+            run.holder,
+            tuple(name for name in self._states if name in run.active),
+            run.outcome,
+            run.why,
+            open_goals=run.loose_goals,
+            held_by=run.held_by,
+            held_since=run.held_since,
+        )
         """A run reports its status ahead of the step that made it so; they are seen together."""
         self._reported = ReportedRun(
-            self._status, runner.waits, run.questions, run.resumed_mode_by, run.paused_at, wanted=run.wanted,
+            self._status,
+            runner.waits,
+            run.questions,
+            run.resumed_mode_by,
+            run.paused_at,
+            wanted=run.wanted,
             board=run.board,
-        )  # fmt: skip
+        )
 
     @property
     def run(self) -> str:
@@ -146,19 +158,41 @@ class RunStatus:
         active = status.active
         state = _named(active, self._acting)
         return StatusView(
-            at=now, run=self._runner.run_id, is_resumed=self._runner.is_resumed, revision=status.revision,
-            mode=status.mode, awaits_start=reported.waits, control=status.control, active=active, state=state,
-            outcome=status.outcome, why=mission.end_words(status.outcome, active) or status.why, end=reported.end,
-            end_name=reported.end_name, began=reported.began,
-            wanted=tuple(sorted(reported.wanted)), held_by=status.held_by, held_since=status.held_since,
+            at=now,
+            run=self._runner.run_id,
+            is_resumed=self._runner.is_resumed,
+            revision=status.revision,
+            mode=status.mode,
+            awaits_start=reported.waits,
+            control=status.control,
+            active=active,
+            state=state,
+            outcome=status.outcome,
+            why=mission.end_words(status.outcome, active) or status.why,
+            end=reported.end,
+            end_name=reported.end_name,
+            began=reported.began,
+            wanted=tuple(sorted(reported.wanted)),
+            held_by=status.held_by,
+            held_since=status.held_since,
             open_goals=tuple(dict.fromkeys(goal.action for goal in status.open_goals)),
-            questions=questions, confirm=frozenset(one for each in questions for one in _confirmed(mission, each)),
+            questions=questions,
+            confirm=frozenset(one for each in questions for one in _confirmed(mission, each)),
             keys={name: key_view(name, key, board, now) for name, key in mission.blackboard.items()},
-            states=self._abouts, events=self._events, mission=mission.name, about=mission.about,
-            robot=self._robot.name, identity=self._robot.identity, build=self._robot.build, missions=self._missions,
-            progress=tuple(progress(mission, frozenset(active), board)), happened=reported.happened,
-            since=reported.entered.get(state), mode_by=reported.mode_by, mode_since=reported.mode_since,
-        )  # fmt: skip
+            states=self._abouts,
+            events=self._events,
+            mission=mission.name,
+            about=mission.about,
+            robot=self._robot.name,
+            identity=self._robot.identity,
+            build=self._robot.build,
+            missions=self._missions,
+            progress=tuple(progress(mission, frozenset(active), board)),
+            happened=reported.happened,
+            since=reported.entered.get(state),
+            mode_by=reported.mode_by,
+            mode_since=reported.mode_since,
+        )
 
 
 def _named(active: Sequence[str], acting: Sequence[str]) -> str:
@@ -178,11 +212,18 @@ def mission_view(mission: Mission) -> MissionView:
     """A mission that can be started."""
     arguments = tuple(
         KeyView(
-            name, key.type, key.source, key.about, key.initial, frame=key.frame, fields=key.fields or {},
-            minimum=key.minimum, maximum=key.maximum,
+            name,
+            key.type,
+            key.source,
+            key.about,
+            key.initial,
+            frame=key.frame,
+            fields=key.fields or {},
+            minimum=key.minimum,
+            maximum=key.maximum,
         )
         for name, key in arguments_of(mission)
-    )  # fmt: skip
+    )
     return MissionView(mission.name, mission.about, arguments)
 
 

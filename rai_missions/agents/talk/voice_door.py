@@ -40,9 +40,15 @@ class VoiceDoor:
     is_aloud = True
 
     def __init__(
-        self, sound: SoundConnector, receive: TakesSentence, *, names: ListenNames = NAMES,
-        settings: ListenSettings = SETTINGS, voice: str = "flite", patience_s: float = 5.0,
-    ) -> None:  # fmt: skip
+        self,
+        sound: SoundConnector,
+        receive: TakesSentence,
+        *,
+        names: ListenNames = NAMES,
+        settings: ListenSettings = SETTINGS,
+        voice: str = "flite",
+        patience_s: float = 5.0,
+    ) -> None:
         self._sound, self._receive = sound, receive
         self._lock = threading.Lock()
         self._ends: dict[str, OnSpoken] = {}

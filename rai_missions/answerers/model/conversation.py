@@ -85,9 +85,7 @@ class ModelConversation:
         return self._converse(last, images=shows)[0]
 
     def _modes(self, able: Abilities) -> tuple[OutputMode, ...]:
-        modes = modes_of(
-            schemas=able.schemas, tools=able.tools, wanted=self.config.mode, uses_tools=bool(self.tools)
-        )  # fmt: skip
+        modes = modes_of(schemas=able.schemas, tools=able.tools, wanted=self.config.mode, uses_tools=bool(self.tools))
         return tuple(mode for mode in modes if mode not in self.without) or modes
 
     def _converse(self, mode: OutputMode, *, images: bool) -> tuple[ParsedReply, bool]:

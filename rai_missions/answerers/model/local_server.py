@@ -49,9 +49,7 @@ class ModelServer:
         UsageError: The file is missing, is no GGUF file, or cannot be loaded; or the package that serves it is missing.
     """
 
-    def __init__(
-        self, file: Path, *, threads: int | None = None, window: int = 4096, longest: int = 512
-    ) -> None:  # fmt: skip
+    def __init__(self, file: Path, *, threads: int | None = None, window: int = 4096, longest: int = 512) -> None:
         self.file = gguf(file)
         if importlib.util.find_spec("xllamacpp") is None:
             raise UsageError(f"a local model needs the package xllamacpp: {install_command('local')}")

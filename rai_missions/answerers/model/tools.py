@@ -55,9 +55,11 @@ def open_toolbox(
     look, every = {tool.name for tool in box.read_only}, {tool.name for tool in box.tools}
     faults = [
         Fault(place, f"the tool '{name}' acts, and a decision may only look{suggestion(name, look)}")
-        if name in every else Fault(place, f"no tool '{name}'{suggestion(name, look)}")
-        for name, place in named.items() if name not in look
-    ]  # fmt: skip
+        if name in every
+        else Fault(place, f"no tool '{name}'{suggestion(name, look)}")
+        for name, place in named.items()
+        if name not in look
+    ]
     if faults:
         raise DefinitionError(faults)
     return box

@@ -141,9 +141,13 @@ def _run(options: CampaignOptions) -> int:
     with ResultStore(path, writes=True) as store, LongWork(lambda: shown[0]):
         try:
             result = run_campaign(
-                loaded, store, settings, open_pool=open_pool, labels_alone=options.subcommand == "label",
+                loaded,
+                store,
+                settings,
+                open_pool=open_pool,
+                labels_alone=options.subcommand == "label",
                 on_progress=note,
-            )  # fmt: skip
+            )
         except KeyboardInterrupt:
             print(f"{shown[0]}; it is in {path}, and the same command continues there", file=sys.stderr)
             raise

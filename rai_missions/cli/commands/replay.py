@@ -129,9 +129,12 @@ def _holds(result: Replay) -> bool:
 
 def _as_json(result: Replay) -> dict[str, object]:
     return {
-        "holds": _holds(result), "steps": result.steps, "difference": result.difference,
-        "outcome": result.outcome, "why": result.why,
-    }  # fmt: skip
+        "holds": _holds(result),
+        "steps": result.steps,
+        "difference": result.difference,
+        "outcome": result.outcome,
+        "why": result.why,
+    }
 
 
 def _sentence(name: str, result: Replay) -> str:

@@ -85,9 +85,11 @@ def python_robot(file: str) -> dict[str, list[str]]:
         return {}
     profile_of(robot, None, program)
     sorts: Mapping[str, Mapping[str, object]] = {
-        "facts": robot.fact_functions, "services": robot.service_functions, "actions": robot.action_functions,
+        "facts": robot.fact_functions,
+        "services": robot.service_functions,
+        "actions": robot.action_functions,
         "topics": robot.topic_functions,
-    }  # fmt: skip
+    }
     return {sort: list(functions) for sort, functions in sorts.items()}
 
 

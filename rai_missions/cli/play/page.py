@@ -75,15 +75,23 @@ class SessionDesk:
         board = {key: [bounded(entry.value), round(entry.at, 3)] for key, entry in chart.view.board.items()}
         last = path[-1].steps if path else ()
         return {
-            "revision": self._revision, "at": chart.at, "mode": chart.mode, "control": chart.holder,
-            "held_by": chart.held_by, "active": sorted(chart.active), "outcome": chart.outcome or "",
-            "why": bounded(chart.why) if chart.outcome else "", "board": board,
+            "revision": self._revision,
+            "at": chart.at,
+            "mode": chart.mode,
+            "control": chart.holder,
+            "held_by": chart.held_by,
+            "active": sorted(chart.active),
+            "outcome": chart.outcome or "",
+            "why": bounded(chart.why) if chart.outcome else "",
+            "board": board,
             "questions": [question_data(each) for each in chart.questions],
             "choices": [each.data() for each in session.play.choices()],
             "taken": [place for step in last for move in step.moves for place in move.taken],
-            "length": len(path), "path": [_clicked(click) for click in path[-MOST_PATH:]],
-            "is_saved": session.is_saved, "file": str(session.journal),
-        }  # fmt: skip
+            "length": len(path),
+            "path": [_clicked(click) for click in path[-MOST_PATH:]],
+            "is_saved": session.is_saved,
+            "file": str(session.journal),
+        }
 
 
 def _clicked(click: Click) -> dict[str, Any]:

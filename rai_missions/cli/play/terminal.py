@@ -61,9 +61,14 @@ class TerminalPlay:
         self._session, self._lines, self._out, self._is_person = session, lines, out, is_person
         self._shows_rare = False
         self._orders: Mapping[str, Callable[[Sequence[str]], None]] = {
-            "u": self._undo, "t": self._wait, "n": lambda words: self._do("next", {}), "s": self._save,
-            "test": self._write_test, "m": self._more, "?": lambda words: self._print(HELP),
-        }  # fmt: skip
+            "u": self._undo,
+            "t": self._wait,
+            "n": lambda words: self._do("next", {}),
+            "s": self._save,
+            "test": self._write_test,
+            "m": self._more,
+            "?": lambda words: self._print(HELP),
+        }
 
     def run(self) -> None:
         """Play until the input ends, or `q`.

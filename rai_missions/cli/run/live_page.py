@@ -185,14 +185,22 @@ class ShownRun(NamedTuple):
         at, paused_at = self.now(), view.paused_at
         is_paused = mode == "paused"
         return RunScene(
-            seq=seq, at=at, mode=mode, control=view.holder, active=set(view.active),
+            seq=seq,
+            at=at,
+            mode=mode,
+            control=view.holder,
+            active=set(view.active),
             board={key: (entry.value, entry.at) for key, entry in view.board.items()},
             questions={each.number: each for each in self.questions()},
-            outcome=view.outcome or "", why=view.why if view.outcome else "",
-            run=self.session.runner.run_id, where=self.where, held_by=view.held_by, held_since=view.held_since,
+            outcome=view.outcome or "",
+            why=view.why if view.outcome else "",
+            run=self.session.runner.run_id,
+            where=self.where,
+            held_by=view.held_by,
+            held_since=view.held_since,
             paused_at=(at if paused_at is None else paused_at) if is_paused else None,
             paused_by=view.resumed_mode_by if is_paused and paused_at is not None else "",
-        )  # fmt: skip
+        )
 
 
 class RunPage:
@@ -246,10 +254,11 @@ class RunPage:
         path = str(journal.path) if journal is not None else ""
         about = {"run": runner.run_id, "journal": path, "answers": self._operator}
         shown = ShownRun(
-            session, ClosedOptions(prepared.mission),
+            session,
+            ClosedOptions(prepared.mission),
             WebCommands(session, answers=self._operator, note=runner.note, on_late_stop=self._stop_late),
             f"run {runner.run_id} · {path}",
-        )  # fmt: skip
+        )
         self._shown, is_first = shown, self._shown is None
         if is_first:
             self._start(prepared.mission, about)

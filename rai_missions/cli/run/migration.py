@@ -42,9 +42,15 @@ def migrated(options: RunOptions, named: Named | None) -> tuple[RunOptions, Robo
     to = Path(options.journal) if options.journal else _free_name(Path(options.resume))
     robot, program = _robot_of_now(options, mission)
     done = migrate(
-        options.resume, mission, load_map(options.migrate), to=to, robot=robot, named=named,
-        programs=program_hashes(mission=options.mission, guards=options.guards), source=options.migrate,
-    )  # fmt: skip
+        options.resume,
+        mission,
+        load_map(options.migrate),
+        to=to,
+        robot=robot,
+        named=named,
+        programs=program_hashes(mission=options.mission, guards=options.guards),
+        source=options.migrate,
+    )
     warn(f"the run of {options.resume} resumes in {to}, as '{mission.name}' {mission.version}")
     for note in done.notes:
         warn(f"migrated: {note}")

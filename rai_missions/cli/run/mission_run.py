@@ -184,10 +184,13 @@ def _report_beginning(options: RunOptions, lines: Lines, prepared: PreparedRun) 
     if options.json:
         return
     lines.begin(
-        prepared.robot.name if prepared.robot is not None else "", prepared.answerers.keys(),
-        str(prepared.plan.config.journal), model=options.model, resumption=prepared.resumption_notice,
+        prepared.robot.name if prepared.robot is not None else "",
+        prepared.answerers.keys(),
+        str(prepared.plan.config.journal),
+        model=options.model,
+        resumption=prepared.resumption_notice,
         moved_aside=prepared.moved_aside or "",
-    )  # fmt: skip
+    )
     lines.watch(prepared.runner.view)
 
 
@@ -195,11 +198,18 @@ def _as_json(mission: Mission, result: Result, recording: str | None) -> dict[st
     active = set(result.state)
     innermost = [name for name in result.state if active.isdisjoint(mission.state(name).children())]
     found = {
-        "mission": mission.name, "run": result.run, "outcome": result.outcome, "why": result.why,
-        "state": ", ".join(innermost), "steps": result.steps, "decisions": result.decisions,
-        "duration_s": result.duration_s, "journal": result.journal, "moved_aside": result.moved_aside,
+        "mission": mission.name,
+        "run": result.run,
+        "outcome": result.outcome,
+        "why": result.why,
+        "state": ", ".join(innermost),
+        "steps": result.steps,
+        "decisions": result.decisions,
+        "duration_s": result.duration_s,
+        "journal": result.journal,
+        "moved_aside": result.moved_aside,
         "open_goals": [goal.data() for goal in result.open_goals],
-    }  # fmt: skip
+    }
     return found | ({"recording": recording} if recording else {})
 
 
@@ -238,10 +248,17 @@ def _run_managed(options: RunOptions, *, is_python: bool) -> int:
 def _config(options: RunOptions, mission: Mission, named: Named | None, journal: Path) -> RunConfig:
     """What the options mean for every run."""
     return RunConfig(
-        mission, options.robot, {} if options.resume else _arguments(options, mission), model=options.model,
-        model_memory_gib=options.model_memory, journal=journal, named=named, seed=options.seed, speed=options.speed,
+        mission,
+        options.robot,
+        {} if options.resume else _arguments(options, mission),
+        model=options.model,
+        model_memory_gib=options.model_memory,
+        journal=journal,
+        named=named,
+        seed=options.seed,
+        speed=options.speed,
         programs=program_hashes(mission=options.mission, guards=options.guards),
-    )  # fmt: skip
+    )
 
 
 def _single_run(options: RunOptions, mission: Mission, named: Named | None, lines: Lines) -> RunConfig:

@@ -83,9 +83,13 @@ def serve_managed(options: RunOptions, config: RunConfig, journals: Callable[[],
     from rai_missions.node import MissionNode
 
     node = MissionNode(
-        config, options.node or "", ros_arguments=options.ros_args, operator=not options.no_operator, journals=journals,
+        config,
+        options.node or "",
+        ros_arguments=options.ros_args,
+        operator=not options.no_operator,
+        journals=journals,
         ended=_report,
-    )  # fmt: skip
+    )
     with on_interrupts(lambda _: node.shut_down(), lambda _: node.shut_down(at_once=True), "shutting down"):
         node.run()
         try:

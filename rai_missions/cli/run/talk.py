@@ -51,10 +51,11 @@ class TalkSetup:
         self._waits = self._policy.begins == "ready"
         self._session: TalkSession | None = None
         self.config = replace(
-            config.observed_by(RunObserver(self._follow_step, self._follow_status)), waits=self._waits,
+            config.observed_by(RunObserver(self._follow_step, self._follow_status)),
+            waits=self._waits,
             operator=None if options.no_operator else HeldOpen(),
             speed=1.0 if config.speed is None and profile is not None and profile.world else config.speed,
-        )  # fmt: skip
+        )
         """What the run is to be made of instead: at the wall's speed, since a person takes part."""
 
     def open(self, prepared: PreparedRun, config: RunConfig, doors: list[TalkDoor]) -> TalkSession:

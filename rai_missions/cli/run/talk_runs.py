@@ -129,10 +129,14 @@ class TalkRuns:
         return prepare_next(
             before,
             replace(
-                self._config, arguments=given, waits=ordered is None, resume=None,
-                journal=self._named(self._config.journal), record=self._named(self._config.record),
+                self._config,
+                arguments=given,
+                waits=ordered is None,
+                resume=None,
+                journal=self._named(self._config.journal),
+                record=self._named(self._config.record),
             ),
-        )  # fmt: skip
+        )
 
     def follow(self, prepared: PreparedRun) -> None:
         """A run that followed is the one that is talked about now; what was ordered is carried out with it.

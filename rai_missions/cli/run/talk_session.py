@@ -56,9 +56,14 @@ class TalkSession:
     """
 
     def __init__(
-        self, options: RunOptions, policy: ConversationPolicy, prepared: PreparedRun, config: RunConfig, *,
+        self,
+        options: RunOptions,
+        policy: ConversationPolicy,
+        prepared: PreparedRun,
+        config: RunConfig,
+        *,
         waits: bool,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._options, self._policy = options, policy
         self._is_typed_at = self._is_watched = False
         self.earlier: tuple[TalkLine, ...] = ()
@@ -74,10 +79,12 @@ class TalkSession:
             words = RobotWords(self._name, identity.first_sentence, _build(identity))
         self._runs = TalkRuns(config, waits=waits, is_reachable=lambda: self._is_reachable)
         self._agent = ConversationalAgent(
-            settings_of(policy), model=_model(options, prepared, identity), robot=words,
+            settings_of(policy),
+            model=_model(options, prepared, identity),
+            robot=words,
             library=identity.library if identity is not None else None,
             start=self._runs.order if self._is_alone else None,
-        )  # fmt: skip
+        )
 
     def run(self, prepared: PreparedRun, doors: Iterable[TalkDoor]) -> None:
         """Begin to talk about the first run.

@@ -192,10 +192,13 @@ class _Sequence:
     def received(self, why: str = "") -> ReceivedMessage:
         parts = [self.parts[number] for number in sorted(self.parts)]
         message = replace(
-            parts[0], text="".join(each.text for each in parts), seq_no=0, seq_end=self.end is not None,
+            parts[0],
+            text="".join(each.text for each in parts),
+            seq_no=0,
+            seq_end=self.end is not None,
             images=tuple(image for each in parts for image in each.images),
             audios=tuple(audio for each in parts for audio in each.audios),
-        )  # fmt: skip
+        )
         count = max(self.parts) + 1 if self.end is None else self.end + 1
         missing = tuple(number for number in range(count) if number not in self.parts)
         return ReceivedMessage(message, missing, self.duplicated, self.reordered, why)

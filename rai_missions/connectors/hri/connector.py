@@ -46,9 +46,13 @@ class HRIConnector:
     """
 
     def __init__(
-        self, connector: Connector, *, now: Callable[[], float] = time.monotonic, later: Later | None = None,
+        self,
+        connector: Connector,
+        *,
+        now: Callable[[], float] = time.monotonic,
+        later: Later | None = None,
         within_s: float = 30.0,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.connector = connector
         self._now, self._within_s = now, within_s
         self._worker = Worker("parts of messages")
@@ -75,9 +79,14 @@ class HRIConnector:
             self.connector.publish(topic, TYPE, message_to_data(part))
 
     def listen(
-        self, topic: str, on_message: Callable[[HRIMessage], object], *, on_fault: OnFault | None = None,
-        author: Author | None = None, is_whole: bool = True,
-    ) -> Close:  # fmt: skip
+        self,
+        topic: str,
+        on_message: Callable[[HRIMessage], object],
+        *,
+        on_fault: OnFault | None = None,
+        author: Author | None = None,
+        is_whole: bool = True,
+    ) -> Close:
         """Receive the messages of a topic from now on; both callbacks may run on any thread.
 
         Args:
@@ -90,8 +99,9 @@ class HRIConnector:
         writer = author or ("ai" if topic.rpartition("/")[2] == "to_human" else "human")
         report = on_fault or _logged
         assembly = Assembly(within_s=self._within_s, lone_s=LONE_S if writer == "human" else self._within_s)
-        inbox = PartsInbox(assembly, lambda found: (report if found.why else _passing(on_message))(found), self._now,
-                      self._later)  # fmt: skip
+        inbox = PartsInbox(
+            assembly, lambda found: (report if found.why else _passing(on_message))(found), self._now, self._later
+        )
 
         def receive(message: Message) -> None:
             if message.kept:

@@ -145,7 +145,13 @@ def _steers_the_speaker(hri: HRIConnector) -> None:
 
 
 CHECKS = (
-    _carries_every_field, _joins_a_long_message, _joins_what_comes_mixed, _reports_a_lost_part,
-    _reports_what_is_no_message, _receives_short_messages_of_other_programs, _passes_parts_on_as_they_come, _closes,
+    _carries_every_field,
+    _joins_a_long_message,
+    _joins_what_comes_mixed,
+    _reports_a_lost_part,
+    _reports_what_is_no_message,
+    _receives_short_messages_of_other_programs,
+    _passes_parts_on_as_they_come,
+    _closes,
     _steers_the_speaker,
-)  # fmt: skip
+)

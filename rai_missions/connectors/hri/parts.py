@@ -45,10 +45,17 @@ def parts_of(
     last = len(pieces) - 1
     shared = shared if last else message.communication_id
     return tuple(
-        replace(message, text=each.text, images=tuple(each.images), audios=tuple(each.audios),
-                communication_id=shared, seq_no=number, seq_end=number == last)
+        replace(
+            message,
+            text=each.text,
+            images=tuple(each.images),
+            audios=tuple(each.audios),
+            communication_id=shared,
+            seq_no=number,
+            seq_end=number == last,
+        )
         for number, each in enumerate(pieces)
-    )  # fmt: skip
+    )
 
 
 @dataclass(slots=True)

@@ -28,9 +28,12 @@ class PartsInbox:
     """
 
     def __init__(
-        self, assembly: Assembly, on_received: Callable[[ReceivedMessage], object], now: Callable[[], float],
+        self,
+        assembly: Assembly,
+        on_received: Callable[[ReceivedMessage], object],
+        now: Callable[[], float],
         later: Callable[[float, Work], Work],
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._assembly, self._on_received, self._now, self._later = assembly, on_received, now, later
         self._lock = threading.Lock()
         self._queue = SerialQueue()

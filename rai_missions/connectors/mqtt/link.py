@@ -48,9 +48,14 @@ class BrokerLink:
     """
 
     def __init__(
-        self, host: str, port: int, *, on_open: Callable[[], object], on_lost: Callable[[str], object],
+        self,
+        host: str,
+        port: int,
+        *,
+        on_open: Callable[[], object],
+        on_lost: Callable[[str], object],
         on_message: Callable[..., object],
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._host, self._port = host, port
         self._on_open, self._on_lost = on_open, on_lost
         self._on_message = on_message

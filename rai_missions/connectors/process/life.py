@@ -51,9 +51,15 @@ class ProcessLife:
     """
 
     def __init__(
-        self, name: str, work: str, first: Mapping[str, Any], most_bytes: int, *,
-        on_message: Callable[[Mapping[str, Any]], object], on_end: Callable[[], object],
-    ) -> None:  # fmt: skip
+        self,
+        name: str,
+        work: str,
+        first: Mapping[str, Any],
+        most_bytes: int,
+        *,
+        on_message: Callable[[Mapping[str, Any]], object],
+        on_end: Callable[[], object],
+    ) -> None:
         self._work, self._most_bytes, self._on_message, self._on_end = work, most_bytes, on_message, on_end
         self._lock = threading.Lock()
         self._process: subprocess.Popen[bytes] | None = None
@@ -132,9 +138,13 @@ class ProcessLife:
                     raise Broken("it was closed")
                 process = self._process = subprocess.Popen(
                     [sys.executable, "-P", "-m", GUARD, self._work, *given],
-                    stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                    pass_fds=(requests, reply_end), start_new_session=True, env=_environment(),
-                )  # fmt: skip
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    stderr=subprocess.DEVNULL,
+                    pass_fds=(requests, reply_end),
+                    start_new_session=True,
+                    env=_environment(),
+                )
         except BaseException:
             os.close(replies)
             raise

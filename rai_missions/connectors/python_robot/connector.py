@@ -55,9 +55,14 @@ class PythonRobotConnector(ConnectorWrapper):
     """
 
     def __init__(
-        self, robot: PythonRobot, *, now: Callable[[], float] = time.monotonic, robot_time: RobotTime | None = None,
-        events: Collection[str] | None = None, keys: Collection[str] | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        robot: PythonRobot,
+        *,
+        now: Callable[[], float] = time.monotonic,
+        robot_time: RobotTime | None = None,
+        events: Collection[str] | None = None,
+        keys: Collection[str] | None = None,
+    ) -> None:
         self._robot, self._now, self.time = robot, now, robot_time or RobotTime()
         self._events, self._keys = events, keys
         self._loop: EventLoop | None = None
@@ -183,9 +188,12 @@ class PythonRobotConnector(ConnectorWrapper):
     def _begin_poll(self, name: str, read: Callable[[], Any], every_s: float) -> None:
         if name not in self._polls:
             self._polls[name] = FactPoll(
-                name, partial(self._called, read), every_s, robot_time=self.time,
+                name,
+                partial(self._called, read),
+                every_s,
+                robot_time=self.time,
                 on_value=lambda value: self.take_fact(name, value),
-            )  # fmt: skip
+            )
             if not self.time.is_steered:  # else the clock reports it
                 self._worker("facts").after(PATIENCE_S, self._polls[name].report_first)
 
@@ -236,9 +244,14 @@ class PythonRobotConnector(ConnectorWrapper):
     # -- services -----------------------------------------------------------------------------------------------------
 
     def call(
-        self, service: str, type_name: str, request: Data, *, on_reply: Callable[[Reply], None],
+        self,
+        service: str,
+        type_name: str,
+        request: Data,
+        *,
+        on_reply: Callable[[Reply], None],
         timeout_s: float | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         once = OneReply(on_reply, lambda: self.inner.running)
         own = self._robot.service_functions.get(service) if self.inner.running else None
 

@@ -35,9 +35,14 @@ class FactPoll:
     """
 
     def __init__(
-        self, name: str, read: Callable[[], Any], every_s: float, *, robot_time: RobotTime,
+        self,
+        name: str,
+        read: Callable[[], Any],
+        every_s: float,
+        *,
+        robot_time: RobotTime,
         on_value: Callable[[Any], None],
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._name, self._read, self._every_s, self._on_value = name, read, every_s, on_value
         self._time, self._execution = robot_time, Execution(f"fact '{name}'", robot_time)
         self._changed = threading.Condition()

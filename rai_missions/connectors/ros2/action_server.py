@@ -171,11 +171,19 @@ class _Entity(RclpyServer):  # type: ignore[misc]
         self._served = served
         self._decision = GoalResponse.REJECT
         super().__init__(
-            runtime.node, cls, action, _never, callback_group=runtime.group, result_timeout=KEPT_S,
-            goal_callback=lambda _goal: self._decision, handle_accepted_callback=served.accepted,
-            cancel_callback=served.cancel_wanted, goal_service_qos_profile=MANY, result_service_qos_profile=MANY,
+            runtime.node,
+            cls,
+            action,
+            _never,
+            callback_group=runtime.group,
+            result_timeout=KEPT_S,
+            goal_callback=lambda _goal: self._decision,
+            handle_accepted_callback=served.accepted,
+            cancel_callback=served.cancel_wanted,
+            goal_service_qos_profile=MANY,
+            result_service_qos_profile=MANY,
             cancel_service_qos_profile=MANY,
-        )  # fmt: skip
+        )
 
     async def execute(self, taken_data: dict[str, Any]) -> None:
         request = taken_data.pop("goal", None)

@@ -62,9 +62,13 @@ MAP = QosProfile(durability="latched", depth=1)
 TALK = QosProfile(depth=1000)
 """No part of a long message may be lost because another came at the same time."""
 CONVENTIONS: Mapping[str, QosProfile] = {
-    "tf_static": QosProfile(durability="latched", depth=100), "map": MAP, "costmap": MAP,
-    "from_human": TALK, "to_human": TALK, "voice_commands": TALK,
-}  # fmt: skip
+    "tf_static": QosProfile(durability="latched", depth=100),
+    "map": MAP,
+    "costmap": MAP,
+    "from_human": TALK,
+    "to_human": TALK,
+    "voice_commands": TALK,
+}
 """The last word of a topic → how it travels by convention of tf2, map_server, Nav2 and RAI, unless the profile has it.
 
 A publisher of such a topic that latches nothing is received all the same.

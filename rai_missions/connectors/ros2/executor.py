@@ -255,9 +255,10 @@ class SingleThreadExecutor(Executor):  # type: ignore[misc]
         self._waitables = tuple(each for each in waitables if not isinstance(each, EventHandler))
         self._events = tuple(each for each in waitables if isinstance(each, EventHandler))
         self._takes = {
-            **dict.fromkeys(subscriptions, take_message), **dict.fromkeys(clients, take_response),
+            **dict.fromkeys(subscriptions, take_message),
+            **dict.fromkeys(clients, take_response),
             **dict.fromkeys(services, answer_request),
-        }  # fmt: skip
+        }
         self._ranks = {party: rank for rank, party in enumerate((*waitables, *self._takes))}
         self._counts = {party: count for party, count in self._counts.items() if party in self._ranks}
         self._pointers = {
@@ -269,9 +270,14 @@ class SingleThreadExecutor(Executor):  # type: ignore[misc]
             count += waitable.get_num_entities()
         with self._context.handle:
             self._wait_set = rcl.WaitSet(
-                count.num_subscriptions, count.num_guard_conditions, count.num_timers, count.num_clients,
-                count.num_services, count.num_events, self._context.handle,
-            )  # fmt: skip
+                count.num_subscriptions,
+                count.num_guard_conditions,
+                count.num_timers,
+                count.num_clients,
+                count.num_services,
+                count.num_events,
+                self._context.handle,
+            )
         self._handles = (
             (self._wait_set.add_subscription, tuple(each.handle for each in subscriptions)),
             (self._wait_set.add_client, tuple(each.handle for each in clients)),

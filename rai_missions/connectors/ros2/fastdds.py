@@ -34,14 +34,18 @@ class Edition(NamedTuple):
 
 
 FAST_DDS_2 = Edition(
-    "FASTRTPS_DEFAULT_PROFILES_FILE", "DEFAULT_FASTRTPS_PROFILES.xml",
-    HERE / "fastdds.xml", HERE / "fastdds_pictures.xml",
-)  # fmt: skip
+    "FASTRTPS_DEFAULT_PROFILES_FILE",
+    "DEFAULT_FASTRTPS_PROFILES.xml",
+    HERE / "fastdds.xml",
+    HERE / "fastdds_pictures.xml",
+)
 """That of Jazzy."""
 FAST_DDS_3 = Edition(
-    "FASTDDS_DEFAULT_PROFILES_FILE", "DEFAULT_FASTDDS_PROFILES.xml",
-    HERE / "fastdds3.xml", HERE / "fastdds3_pictures.xml",
-)  # fmt: skip
+    "FASTDDS_DEFAULT_PROFILES_FILE",
+    "DEFAULT_FASTDDS_PROFILES.xml",
+    HERE / "fastdds3.xml",
+    HERE / "fastdds3_pictures.xml",
+)
 """That of Kilted and later; it still reads the older variable."""
 TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"
 _ONE_BY_ONE = threading.Lock()

@@ -55,12 +55,19 @@ class GoalClient:
         self.runtime, self.action, self.cls = runtime, action, cls
         self.peers = servers_of_action(runtime.node, action)
         self.client = ObservedClient(
-            runtime.node, cls, action, on_status=self._sighted, on_second=self._answered_twice,
+            runtime.node,
+            cls,
+            action,
+            on_status=self._sighted,
+            on_second=self._answered_twice,
             servers=lambda: len(self.peers()),
-            callback_group=runtime.group, goal_service_qos_profile=MANY, result_service_qos_profile=MANY,
-            cancel_service_qos_profile=MANY, feedback_sub_qos_profile=MANY,
+            callback_group=runtime.group,
+            goal_service_qos_profile=MANY,
+            result_service_qos_profile=MANY,
+            cancel_service_qos_profile=MANY,
+            feedback_sub_qos_profile=MANY,
             status_sub_qos_profile=STATUS,
-        )  # fmt: skip
+        )
         runtime.keep(self, self.client.destroy)
         self.patience_s = patience_s
         self.starts, self.cancels = InFlightLimit(), InFlightLimit()

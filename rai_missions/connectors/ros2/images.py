@@ -27,9 +27,12 @@ def message_of_picture(picture: Image, type_name: str, place: str) -> dict[str, 
     check_picture(picture, type_name, place)
     if type_name == RAW:
         return {
-            "width": picture.width, "height": picture.height, "encoding": picture.encoding,
-            "step": picture.width * PIXEL_BYTES[picture.encoding], "data": picture.data,
-        }  # fmt: skip
+            "width": picture.width,
+            "height": picture.height,
+            "encoding": picture.encoding,
+            "step": picture.width * PIXEL_BYTES[picture.encoding],
+            "data": picture.data,
+        }
     return {"format": picture.encoding, "data": picture.data}
 
 

@@ -264,9 +264,12 @@ def _open_node(context: Context, options: Options) -> Node:
     try:
         rclpy.init(args=arguments, context=context, domain_id=options.domain_id)
         return Node(
-            name, context=context, namespace=options.namespace or None, parameter_overrides=parameters,
+            name,
+            context=context,
+            namespace=options.namespace or None,
+            parameter_overrides=parameters,
             automatically_declare_parameters_from_overrides=True,
-        )  # fmt: skip
+        )
     except (InvalidNodeNameException, InvalidNamespaceException) as fault:
         context.try_shutdown()
         raise UsageError(f"connector: ROS takes no node {name!r} in {options.namespace or '/'!r}: {fault}") from fault

@@ -123,14 +123,19 @@ class Session:
     ) -> None:
         once = _Once(on_reply, self._calls, self._lock)
         self._use(
-            lambda: self._client(service, cls), lambda client: client.call(request, once, timeout_s),
-            lambda why: once(Reply("failed", {}, why)), lambda: once(Reply("unavailable", {}, "ROS was shut down")),
-        )  # fmt: skip
+            lambda: self._client(service, cls),
+            lambda client: client.call(request, once, timeout_s),
+            lambda why: once(Reply("failed", {}, why)),
+            lambda: once(Reply("unavailable", {}, "ROS was shut down")),
+        )
 
     def _use(
-        self, make: Callable[[], Made], use: Callable[[Made], object], refuse: Callable[[str], object],
+        self,
+        make: Callable[[], Made],
+        use: Callable[[Made], object],
+        refuse: Callable[[str], object],
         on_shutdown: Callable[[], object],
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Have a client made and used on the runtime's thread.
 
         Args:
@@ -190,10 +195,11 @@ class Session:
     def survey(self, action: str, cls: Any, within_s: float, on_result: Callable[[str], None]) -> None:
         """State who serves an action next to another; empty where at most one server answers, or ROS was shut down."""
         self._use(
-            lambda: self._goal_client(action, cls), lambda client: client.survey(on_result, within_s),
+            lambda: self._goal_client(action, cls),
+            lambda client: client.survey(on_result, within_s),
             lambda _why: on_result(""),  # its first use reports it
             lambda: on_result(""),
-        )  # fmt: skip
+        )
 
     def send_goal(self, action: str, cls: Any, goal: Any, goal_id: str, on_report: Callable[[Report], None]) -> None:
         make = partial(self._goal, action, cls, goal_id, on_report, ClientGoal)
@@ -204,9 +210,14 @@ class Session:
         self._pursue(goal_id, on_report, make, RecoveredGoal.find, unmade="lost")
 
     def _pursue(
-        self, goal_id: str, on_report: Callable[[Report], None], make: Callable[[], Made],
-        begin: Callable[[Made], object], *, unmade: End,
-    ) -> None:  # fmt: skip
+        self,
+        goal_id: str,
+        on_report: Callable[[Report], None],
+        make: Callable[[], Made],
+        begin: Callable[[Made], object],
+        *,
+        unmade: End,
+    ) -> None:
         def lose(why: str, how: End = "lost") -> None:
             with self._lock:
                 is_here = self._goals.pop(goal_id, None) is not None
@@ -281,9 +292,10 @@ class Session:
         def wait(before: int) -> None:
             """As long as answers continue coming there is hope."""
             self.runtime.when(
-                lambda: not unsettled(), FAREWELL_S,
+                lambda: not unsettled(),
+                FAREWELL_S,
                 lambda is_settled: wait(unsettled()) if 0 < unsettled() < before else served_last(is_settled),
-            )  # fmt: skip
+            )
 
         wait(len(goals))
 

@@ -152,9 +152,14 @@ class _Reader:
         events = SubscriptionEventCallbacks(incompatible_qos=self._on_mismatch, use_default_callbacks=False)
         receive = self._mixed.receive_reliably if reliability == "reliable" else self._mixed.receive
         self._entities[reliability] = self._runtime.node.create_subscription(
-            self._class, self._topic, receive, profile(quality, reliability),
-            callback_group=self._runtime.group, event_callbacks=events, raw=self._is_raw,
-        )  # fmt: skip
+            self._class,
+            self._topic,
+            receive,
+            profile(quality, reliability),
+            callback_group=self._runtime.group,
+            event_callbacks=events,
+            raw=self._is_raw,
+        )
 
     @property
     def _is_conventional(self) -> bool:
@@ -219,8 +224,10 @@ class _Reader:
             policy = QoSPolicyKind(found.last_policy_kind).name.lower()
             log.warning(
                 "a publisher of %s offers less %s than the profile asks for and is not received; mend connector/qos/%s",
-                self._topic, policy, self._topic,
-            )  # fmt: skip
+                self._topic,
+                policy,
+                self._topic,
+            )
 
     def _arrived(self, message: Any, info: Mapping[str, Any]) -> None:
         """A message has come; in bytes, where someone wants them."""

@@ -79,9 +79,15 @@ class DeviceSound(FrameLoop):
     def _opened(self, library: ModuleType) -> Any:
         try:
             stream = library.RawStream(
-                samplerate=RATE_HZ, blocksize=FRAME_SAMPLES, device=self._devices, channels=1, dtype="int16",
-                latency="low", callback=self._exchange, finished_callback=self._ended,
-            )  # fmt: skip
+                samplerate=RATE_HZ,
+                blocksize=FRAME_SAMPLES,
+                device=self._devices,
+                channels=1,
+                dtype="int16",
+                latency="low",
+                callback=self._exchange,
+                finished_callback=self._ended,
+            )
             stream.start()
         except (library.PortAudioError, ValueError) as error:
             given = " and ".join("the default" if each is None else repr(each) for each in self._devices)

@@ -27,9 +27,17 @@ class RoomSound(FileSound):
     """
 
     def __init__(
-        self, person: bytes | Path | str = b"", played: Path | str | None = None, *, echo_db: float | None = -12.0,
-        delay_ms: float = 60.0, tail: tuple[float, ...] = (), noise: float = 10.0, seed: int = 0, paced: bool = False,
-    ) -> None:  # fmt: skip
+        self,
+        person: bytes | Path | str = b"",
+        played: Path | str | None = None,
+        *,
+        echo_db: float | None = -12.0,
+        delay_ms: float = 60.0,
+        tail: tuple[float, ...] = (),
+        noise: float = 10.0,
+        seed: int = 0,
+        paced: bool = False,
+    ) -> None:
         super().__init__(person, played, paced=paced)
         np = numpy()
         self._np, self._noise, self._random = np, noise, np.random.default_rng(seed)

@@ -39,9 +39,13 @@ class TopicSound(PieceSound):
     """
 
     def __init__(
-        self, hri: HRIConnector, microphone: str = FROM_HUMAN, speaker: str = TO_HUMAN, *,
+        self,
+        hri: HRIConnector,
+        microphone: str = FROM_HUMAN,
+        speaker: str = TO_HUMAN,
+        *,
         now: Callable[[], float] = time.monotonic,
-    ) -> None:  # fmt: skip
+    ) -> None:
         super().__init__(now=now)
         self._hri, self._topics = hri, (microphone, speaker)
         self._close: Close | None = None

@@ -32,8 +32,11 @@ def read_wav(path: Path | str) -> bytes:
     try:
         with wave.open(str(path)) as file:
             width, channels, rate, count = (
-                file.getsampwidth(), file.getnchannels(), file.getframerate(), file.getnframes()
-            )  # fmt: skip
+                file.getsampwidth(),
+                file.getnchannels(),
+                file.getframerate(),
+                file.getnframes(),
+            )
             most = int(LONGEST_S * max(rate, 1))
             data = file.readframes(min(count, most) + 1)  # what a program wrote into a pipe has no count that is true
     except FileNotFoundError:

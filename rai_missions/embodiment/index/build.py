@@ -97,7 +97,7 @@ def is_current(folder: Path, reader: IndexReader, embedder: TextEmbedder | None)
 def _opened(folder: Path) -> IdentityFolder:
     return IdentityFolder(
         folder, {ending: each.largest for ending, each in FORMATS.items()}, most=MOST_DOCUMENTS, inner=True
-    )  # fmt: skip
+    )
 
 
 Known = Mapping[str, tuple[IndexedDocument, Sequence[tuple[DocumentPassage, bytes | None]]]]

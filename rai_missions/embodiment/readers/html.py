@@ -34,15 +34,21 @@ BLOCKS = frozenset(
     }
 )  # fmt: skip
 ENDED = {
-    **dict.fromkeys(BLOCKS, ("p",)), **dict.fromkeys(("td", "th"), ("td", "th")),
-    **dict.fromkeys(("dd", "dt"), ("dd", "dt")), "li": ("li",), "option": ("option",), "tr": ("tr",),
-}  # fmt: skip
+    **dict.fromkeys(BLOCKS, ("p",)),
+    **dict.fromkeys(("td", "th"), ("td", "th")),
+    **dict.fromkeys(("dd", "dt"), ("dd", "dt")),
+    "li": ("li",),
+    "option": ("option",),
+    "tr": ("tr",),
+}
 """Element → those whose end tag may be left out ahead of it (HTML, section 13.1.2.4)."""
 AROUND = {
-    "p": frozenset({"button", "caption", "object", "table", "td", "template", "th"}), "option": frozenset({"select"}),
-    "li": frozenset({"ol", "ul"}), **dict.fromkeys(("dd", "dt"), frozenset({"dl"})),
+    "p": frozenset({"button", "caption", "object", "table", "td", "template", "th"}),
+    "option": frozenset({"select"}),
+    "li": frozenset({"ol", "ul"}),
+    **dict.fromkeys(("dd", "dt"), frozenset({"dl"})),
     **dict.fromkeys(("td", "th", "tr"), frozenset({"table"})),
-}  # fmt: skip
+}
 """Element that is ended so → those around it beyond which none is."""
 OPTIONAL = AROUND.keys() | {"body", "colgroup", "head", "html", "tbody", "tfoot", "thead"}
 """Elements whose end tag may be left out."""
@@ -155,9 +161,10 @@ def _never_closed(begun: str, line: int) -> ValueError:
 def _hides(name: str, value: str | None) -> bool:
     """Whether an attribute keeps its element from being seen."""
     return (
-        name == "hidden" or (name == "aria-hidden" and value == "true")
+        name == "hidden"
+        or (name == "aria-hidden" and value == "true")
         or (name == "style" and HIDING.search(value or "") is not None)
-    )  # fmt: skip
+    )
 
 
 def read_html(_name: str, data: bytes) -> TextDocument:

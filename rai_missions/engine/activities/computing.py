@@ -38,9 +38,15 @@ class ComputingMachine(Machine):
     """
 
     def __init__(
-        self, owner: str, site: Site, given: Sequence[str], into: str, compute: Callable[..., ComputedResult], *,
+        self,
+        owner: str,
+        site: Site,
+        given: Sequence[str],
+        into: str,
+        compute: Callable[..., ComputedResult],
+        *,
         follows: bool = False,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.owner, self.site, self.into, self.compute, self.follows = owner, site, into, compute, follows
         self.given = [(path, Operand(path, site)) for path in given]
 

@@ -52,11 +52,19 @@ class DecisionMachine(Machine):
     def _ask(self, host: ActivityHost, *, turn: int, attempt: int, deadline: float, refused: tuple[str, ...]) -> Turn:
         view = host.view
         question = Question(
-            number=host.next_number(), owner=self.owner, asked=self.asked.ask[turn], text=self.asked.question,
-            options=self._offers(view), evidence=self._evidence(view), attempt=attempt, at=view.at,
-            until=self._until(host.begins_at, turn, deadline), refused=refused, tools=self.asked.tools,
+            number=host.next_number(),
+            owner=self.owner,
+            asked=self.asked.ask[turn],
+            text=self.asked.question,
+            options=self._offers(view),
+            evidence=self._evidence(view),
+            attempt=attempt,
+            at=view.at,
+            until=self._until(host.begins_at, turn, deadline),
+            refused=refused,
+            tools=self.asked.tools,
             budget=self.budget,
-        )  # fmt: skip
+        )
         return Turn(DecisionActivity(question, turn, deadline), (Ask(question),))
 
     def _offers(self, view: View) -> tuple[Offer, ...]:

@@ -87,9 +87,13 @@ class Ticker(Protocol):
     """How many rounds of loops can end in one tick."""
 
     def tick(
-        self, state: TreeState, view: View, outcomes: Mapping[str, str], late_s: float = 0.0,
+        self,
+        state: TreeState,
+        view: View,
+        outcomes: Mapping[str, str],
+        late_s: float = 0.0,
         changed: Collection[str] | None = None,
-    ) -> TickResult:  # fmt: skip
+    ) -> TickResult:
         """Tick once, as py_trees does.
 
         Args:

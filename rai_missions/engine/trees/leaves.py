@@ -80,7 +80,7 @@ class CompiledSet(CompiledNode):
 
     def __init__(
         self, key: str, definition: Key | None, value: Callable[[View], Any], site: Site, *, adds: bool
-    ) -> None:  # fmt: skip
+    ) -> None:
         super().__init__()
         self.key, self.definition, self.value, self.site, self.adds = key, definition, value, site, adds
 

@@ -82,9 +82,13 @@ class CompiledTicker:
     # -- ticked -------------------------------------------------------------------------------------------------------
 
     def tick(
-        self, state: TreeState, view: View, outcomes: Mapping[str, str], late_s: float = 0.0,
+        self,
+        state: TreeState,
+        view: View,
+        outcomes: Mapping[str, str],
+        late_s: float = 0.0,
         changed: Collection[str] | None = None,
-    ) -> TickResult:  # fmt: skip
+    ) -> TickResult:
         """Tick once; see `Ticker`."""
         if state is not self.shown:
             self._recall(state)
@@ -108,9 +112,16 @@ class CompiledTicker:
         if not root.idle:
             root.tick(done)
         if (
-            done.touched or done.writes or done.published or done.turned or done.turning or done.waits
-            or ends or self.holds or state is not self._still.state
-        ):  # fmt: skip
+            done.touched
+            or done.writes
+            or done.published
+            or done.turned
+            or done.turning
+            or done.waits
+            or ends
+            or self.holds
+            or state is not self._still.state
+        ):
             return self._ticked(state)
         return self._still
 
@@ -221,16 +232,26 @@ class CompiledTicker:
         begun: tuple[str, ...] = ()
         rounds: tuple[LoopRound, ...] = ()
         if done.turned or done.turning:
-            rounds = tuple([
-                LoopRound(child.path, loop.counted, at_once, loop.status is RUNNING)
-                for loop, child, at_once in done.turned
-            ])  # fmt: skip
+            rounds = tuple(
+                [
+                    LoopRound(child.path, loop.counted, at_once, loop.status is RUNNING)
+                    for loop, child, at_once in done.turned
+                ]
+            )
             begun = tuple([child.path for child in done.turning if child.status is RUNNING])
         waits = tuple([node.path for node in done.waits if node.status is RUNNING]) if done.waits else ()
         return TickResult(
-            self.shown, self.root.status, tuple(done.started), tuple(done.ended), tuple(done.writes),
-            tuple(done.published), (), begun, rounds, waits,
-        )  # fmt: skip
+            self.shown,
+            self.root.status,
+            tuple(done.started),
+            tuple(done.ended),
+            tuple(done.writes),
+            tuple(done.published),
+            (),
+            begun,
+            rounds,
+            waits,
+        )
 
     def _remembered(self, before: TreeState, sight: Any) -> TreeState:
         """The state after a tick; it shares with the one before what is the same."""

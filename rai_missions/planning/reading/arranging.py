@@ -20,14 +20,25 @@ ANY = frozenset({"on", "in", "at", "left_of", "between", "next_to", "grouped", "
 GROUPS = frozenset({"grouped", "next_to", "in"})
 SORTED = frozenset({"grouped", "apart", "in", "on", "left_of"})
 NEEDED: Mapping[tuple[str, str], frozenset[str]] = {
-    ("stack", ""): frozenset({"on"}), ("stack", "many"): frozenset({"on"}), ("each_other", "stack"): frozenset({"on"}),
-    ("upward", "up"): frozenset({"on"}), ("upward", "down"): frozenset({"on"}),
-    ("group", ""): GROUPS, ("each_other", "group"): frozenset({"grouped"}), ("each_other", "next_to"): GROUPS | ROW,
-    ("apart", ""): frozenset({"apart"}), ("each_other", "apart"): frozenset({"apart"}),
-    ("sort", ""): SORTED, ("by", "colour"): SORTED, ("by", "type"): SORTED,
-    ("left_to_right", "left"): frozenset({"left_of"}), ("left_to_right", "right"): frozenset({"left_of"}),
-    ("put", "line"): ROW | {"left_of"}, ("each_other", "row"): ROW, ("put", "arrange"): ANY,
-}  # fmt: skip
+    ("stack", ""): frozenset({"on"}),
+    ("stack", "many"): frozenset({"on"}),
+    ("each_other", "stack"): frozenset({"on"}),
+    ("upward", "up"): frozenset({"on"}),
+    ("upward", "down"): frozenset({"on"}),
+    ("group", ""): GROUPS,
+    ("each_other", "group"): frozenset({"grouped"}),
+    ("each_other", "next_to"): GROUPS | ROW,
+    ("apart", ""): frozenset({"apart"}),
+    ("each_other", "apart"): frozenset({"apart"}),
+    ("sort", ""): SORTED,
+    ("by", "colour"): SORTED,
+    ("by", "type"): SORTED,
+    ("left_to_right", "left"): frozenset({"left_of"}),
+    ("left_to_right", "right"): frozenset({"left_of"}),
+    ("put", "line"): ROW | {"left_of"},
+    ("each_other", "row"): ROW,
+    ("put", "arrange"): ANY,
+}
 """Kind and value of a word → the predicates of which the goal has one; to lie on the desk is none of them."""
 
 

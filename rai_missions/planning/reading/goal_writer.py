@@ -99,14 +99,32 @@ class GoalWriter:
 
     def _of(self, clause: Clause) -> Iterable[Plain]:
         rules: Mapping[str, Callable[[Clause], Iterable[Plain]]] = {
-            "on": self._on, "in": self._in, "to": self._to, "off": self._off, **dict.fromkeys(SIDES, self._beyond),
-            "between": self._between, "shift": self._shift, "stay": self._shift,
-            "next_to": self._next_to, "apart": self._apart, "place_of": self._place_of,
-            "at": self._at, "stack": self._stack, "swap": self._swap, "group": self._group, "spread": self._spread,
-            "side_by_side": self._side_by_side, "in_order": self._in_order, "by": self._by, "held": self._held,
-            "too": self._too, "under": self._under, "unstack": self._unstack,
-            "towers": self._tower_each, "row": self._row,
-        }  # fmt: skip
+            "on": self._on,
+            "in": self._in,
+            "to": self._to,
+            "off": self._off,
+            **dict.fromkeys(SIDES, self._beyond),
+            "between": self._between,
+            "shift": self._shift,
+            "stay": self._shift,
+            "next_to": self._next_to,
+            "apart": self._apart,
+            "place_of": self._place_of,
+            "at": self._at,
+            "stack": self._stack,
+            "swap": self._swap,
+            "group": self._group,
+            "spread": self._spread,
+            "side_by_side": self._side_by_side,
+            "in_order": self._in_order,
+            "by": self._by,
+            "held": self._held,
+            "too": self._too,
+            "under": self._under,
+            "unstack": self._unstack,
+            "towers": self._tower_each,
+            "row": self._row,
+        }
         return list(rules[clause.kind](clause))
 
     def _check_alone(self, names: Names, text: str) -> None:

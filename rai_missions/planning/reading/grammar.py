@@ -137,11 +137,20 @@ class Rules:
                 found = [replace(found[0], subjects=THOSE)]  # `take red and blue, and make a tower`
             return self._after(found)
         rule = {
-            "swap": self._swap, "group": self._group, "apart": self._spread, "sort": self._sort, "gap": self._gap_first,
-            "relation": self._relation_first, "left_to_right": self._in_order,
-            "into": self._into, "each_other": self._each_other, "fill": self._fill,
-            "empty": self._empty, "unstack": self._unstack, "keep": self._keep,
-        }.get("into" if self._is_verb_of_place() else cursor.kind())  # fmt: skip
+            "swap": self._swap,
+            "group": self._group,
+            "apart": self._spread,
+            "sort": self._sort,
+            "gap": self._gap_first,
+            "relation": self._relation_first,
+            "left_to_right": self._in_order,
+            "into": self._into,
+            "each_other": self._each_other,
+            "fill": self._fill,
+            "empty": self._empty,
+            "unstack": self._unstack,
+            "keep": self._keep,
+        }.get("into" if self._is_verb_of_place() else cursor.kind())
         if rule is not None:
             return self._after(rule())
         is_held = cursor.skip("grasp")

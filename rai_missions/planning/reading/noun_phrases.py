@@ -182,11 +182,20 @@ def _things(cursor: Cursor) -> Phrase | None:
     if len(ranks) > 1 or (ranks and is_any) or (place > 1 and not ranks):
         return None  # the leftmost and the nearest; a cube and the leftmost; the second of what?
     phrase = Phrase(
-        "things", cursor.text(before), types=noun.types if noun else frozenset(), has_noun=noun is not None,
-        colour=colour, is_many=is_many, is_all="all" in kinds, is_any=is_any, is_one=is_one, is_free="any" in kinds,
+        "things",
+        cursor.text(before),
+        types=noun.types if noun else frozenset(),
+        has_noun=noun is not None,
+        colour=colour,
+        is_many=is_many,
+        is_all="all" in kinds,
+        is_any=is_any,
+        is_one=is_one,
+        is_free="any" in kinds,
         count=next((count for each in reversed(words) if (count := _count(each)) is not None), None),
-        is_other="other" in kinds, rank=replace(ranks[0], place=place) if ranks else None,
-    )  # fmt: skip
+        is_other="other" in kinds,
+        rank=replace(ranks[0], place=place) if ranks else None,
+    )
     return with_limits(cursor, phrase)
 
 

@@ -11,11 +11,35 @@ __all__ = ("Clause", "ClauseKind", "Phrase", "PhraseKind", "Rank", "Unread")
 PhraseKind = Literal["things", "everything", "rest", "pronoun", "those", "there", "desk", "tower", "top"]
 """`those` has no words: the things of the clause before, whatever their number. `top` is that of what was stacked."""
 ClauseKind = Literal[
-    "on", "in", "to", "left_of", "right_of", "behind", "in_front_of", "between", "next_to", "apart",
-    "place_of", "off", "at", "stack", "swap", "group",
-    "spread", "side_by_side", "in_order", "by", "held", "too", "under", "unstack",
-    "towers", "shift", "stay", "row",
-]  # fmt: skip
+    "on",
+    "in",
+    "to",
+    "left_of",
+    "right_of",
+    "behind",
+    "in_front_of",
+    "between",
+    "next_to",
+    "apart",
+    "place_of",
+    "off",
+    "at",
+    "stack",
+    "swap",
+    "group",
+    "spread",
+    "side_by_side",
+    "in_order",
+    "by",
+    "held",
+    "too",
+    "under",
+    "unstack",
+    "towers",
+    "shift",
+    "stay",
+    "row",
+]
 
 
 class Unread(Exception):

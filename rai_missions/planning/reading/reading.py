@@ -30,9 +30,14 @@ class RequestReading(MissionModel):
     """Whether the goal is about all that there is of something: what is seen later belongs to it, too."""
 
     def __init__(
-        self, goal: Goal | None = None, question: str = "", candidates: tuple[Goal, ...] = (), reason: str = "",
-        about: str = "", covers_all: bool = False,
-    ) -> None: ...  # fmt: skip
+        self,
+        goal: Goal | None = None,
+        question: str = "",
+        candidates: tuple[Goal, ...] = (),
+        reason: str = "",
+        about: str = "",
+        covers_all: bool = False,
+    ) -> None: ...
 
     @property
     def outcome(self) -> Literal["succeeded", "unclear", "refused"]:

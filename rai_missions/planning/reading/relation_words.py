@@ -17,24 +17,52 @@ __all__ = ("relations_in",)
 EXCHANGE = frozenset({"on", "in", "at", "swapped"})
 """What a swap is rewritten to."""
 KINDS: Mapping[str, frozenset[str]] = {
-    "stack": frozenset({"on"}), "upward": frozenset({"on"}), "level": frozenset({"on"}), "swap": EXCHANGE,
-    "group": frozenset({"grouped"}), "sort": frozenset({"grouped", "apart"}), "by": frozenset({"grouped", "apart"}),
-    "apart": frozenset({"apart"}), "left_to_right": frozenset({"left_of"}),
+    "stack": frozenset({"on"}),
+    "upward": frozenset({"on"}),
+    "level": frozenset({"on"}),
+    "swap": EXCHANGE,
+    "group": frozenset({"grouped"}),
+    "sort": frozenset({"grouped", "apart"}),
+    "by": frozenset({"grouped", "apart"}),
+    "apart": frozenset({"apart"}),
+    "left_to_right": frozenset({"left_of"}),
     "side": frozenset({"at", "left_of", "shifted"}),
-    "axis": frozenset({"at"}), "place": frozenset({"at"}), "(": frozenset({"at"}), "away": frozenset({"in"}),
-    "fill": frozenset({"in"}), "there": frozenset({"in", "on"}), "empty": frozenset({"on"}),
-    "unstack": frozenset({"on"}), "holds": frozenset({"in"}), ":": frozenset({"in"}), "=": frozenset({"in"}),
-    "stays": frozenset({"at", "shifted"}), "keep": frozenset({"at", "shifted"}),
-}  # fmt: skip
+    "axis": frozenset({"at"}),
+    "place": frozenset({"at"}),
+    "(": frozenset({"at"}),
+    "away": frozenset({"in"}),
+    "fill": frozenset({"in"}),
+    "there": frozenset({"in", "on"}),
+    "empty": frozenset({"on"}),
+    "unstack": frozenset({"on"}),
+    "holds": frozenset({"in"}),
+    ":": frozenset({"in"}),
+    "=": frozenset({"in"}),
+    "stays": frozenset({"at", "shifted"}),
+    "keep": frozenset({"at", "shifted"}),
+}
 """Kinds of symbols → the predicates that they may mean."""
 VALUES: Mapping[str, frozenset[str]] = {
-    "on": frozenset({"on", "in"}), "in": frozenset({"in"}), "to": frozenset({"in", "at", "on"}),
-    "off": frozenset({"on"}), "under": frozenset({"on"}),
-    "left_of": frozenset({"left_of"}), "right_of": frozenset({"left_of"}), "behind": frozenset({"behind"}),
-    "in_front_of": frozenset({"behind"}), "between": frozenset({"between"}), "next_to": frozenset({"next_to"}),
-    "apart": frozenset({"apart"}), "place_of": EXCHANGE | {"shifted"}, "swap": EXCHANGE, "stack": frozenset({"on"}),
-    "group": frozenset({"grouped"}), "unstack": frozenset({"on"}), "row": ROW, "line": ROW,
-}  # fmt: skip
+    "on": frozenset({"on", "in"}),
+    "in": frozenset({"in"}),
+    "to": frozenset({"in", "at", "on"}),
+    "off": frozenset({"on"}),
+    "under": frozenset({"on"}),
+    "left_of": frozenset({"left_of"}),
+    "right_of": frozenset({"left_of"}),
+    "behind": frozenset({"behind"}),
+    "in_front_of": frozenset({"behind"}),
+    "between": frozenset({"between"}),
+    "next_to": frozenset({"next_to"}),
+    "apart": frozenset({"apart"}),
+    "place_of": EXCHANGE | {"shifted"},
+    "swap": EXCHANGE,
+    "stack": frozenset({"on"}),
+    "group": frozenset({"grouped"}),
+    "unstack": frozenset({"on"}),
+    "row": ROW,
+    "line": ROW,
+}
 """Values of `relation`, `each_other` and `put` → the predicates that they may mean; on a tray is in it."""
 
 

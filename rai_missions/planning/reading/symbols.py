@@ -209,9 +209,10 @@ def _asking(found: Sequence[Symbol], data: Mapping[str, Any]) -> Iterator[Symbol
         each.text in data["reports"] for each in found
     )
     asks = {
-        *data["asks"], *(data["addressed"] if found and found[-1].text == "?" else ()),
+        *data["asks"],
+        *(data["addressed"] if found and found[-1].text == "?" else ()),
         *(() if is_moved else data["asks_if_it_can"]),
-    }  # fmt: skip
+    }
     for symbol in found:
         is_wish = symbol.kind != "." and (is_wish or not wishing.isdisjoint(symbol.text.split()))
         if (is_first and symbol.text in asks) or (

@@ -68,23 +68,31 @@ class _Transfer:
             now: then
             for new, old in (("", ""), *found.origins.items())
             for now, then in naming.transitions(old, new).items()
-        }  # fmt: skip
+        }
         """Place now → place then."""
 
     def carried(self, under: InFlight) -> CarriedState:
         self._activities()
         goals, cancels = self._goals(under)
         carries: Mapping[Holds, Callable[[Any], Any]] = {
-            "configuration": lambda names: self.found.atomic, "state": lambda name: self.naming.state(name or ""),
+            "configuration": lambda names: self.found.atomic,
+            "state": lambda name: self.naming.state(name or ""),
             "states": lambda names: tuple(new for new, old in self.unchanged.items() if old in names),
-            "activities": lambda running: self.running, "deadlines": lambda was: _kept(was, self.unchanged),
-            "settling": lambda was: _kept(was, self.found.origins), "rounds": self._rounds, "timers": self._timers,
+            "activities": lambda running: self.running,
+            "deadlines": lambda was: _kept(was, self.unchanged),
+            "settling": lambda was: _kept(was, self.found.origins),
+            "rounds": self._rounds,
+            "timers": self._timers,
             "lists": self._lists,
-            "goals": lambda goals_then: goals, "calls": dict, "events": self._queue,
+            "goals": lambda goals_then: goals,
+            "calls": dict,
+            "events": self._queue,
             "invariants": lambda names: frozenset(names).intersection(self.naming.now.invariants),
-            "memory": self._memory, "ages": self._ages, "since": self._since,
+            "memory": self._memory,
+            "ages": self._ages,
+            "since": self._since,
             **dict.fromkeys(UNCHANGED, lambda value: value),
-        }  # fmt: skip
+        }
         snapshot = {word: carries[holds](self.was[word]) for _, word, holds in TABLE if holds not in LEFT}
         snapshot["_order"] = self.order
         begins = tuple(each for each in self.begins if each[0] not in snapshot["_pending"])

@@ -48,9 +48,16 @@ class MigratedRun(NamedTuple):
 
 
 def migrate(
-    journal: str | Path, mission: Mission, map_: Map, *, to: str | Path, robot: Robot | None = None,
-    named: Predicates | None = None, programs: Mapping[str, str] = NO_PROGRAMS, source: str = "",
-) -> MigratedRun:  # fmt: skip
+    journal: str | Path,
+    mission: Mission,
+    map_: Map,
+    *,
+    to: str | Path,
+    robot: Robot | None = None,
+    named: Predicates | None = None,
+    programs: Mapping[str, str] = NO_PROGRAMS,
+    source: str = "",
+) -> MigratedRun:
     """Move a run that was cut short into a mission that has changed; nothing is started by this.
 
     Args:
@@ -138,8 +145,9 @@ def _other(record: Record, now: Robot, resumed: Resumption, naming: Naming) -> l
     started = {each.action for each in resumed.under.open.values() if isinstance(each, StartGoal)}
     return [
         Fault(f"/actions/{name}", "a goal of it is under way, and the profile has another action there now; leave it")
-        for name in sorted(started) if robot is not None and was.get(name) != now.actions.get(name)
-    ]  # fmt: skip
+        for name in sorted(started)
+        if robot is not None and was.get(name) != now.actions.get(name)
+    ]
 
 
 def _as_now(action: ActionEntry, naming: Naming) -> ActionEntry:
@@ -179,7 +187,7 @@ def _broken(chart: Chart) -> list[Fault]:
     return [
         Fault(f"/invariants/{name}", f"it is false where the run would continue: {words}; give other values or states")
         for name, words in chart.broken()
-    ]  # fmt: skip
+    ]
 
 
 def _header(record: Record, naming: Naming, robot: Robot | None, to: Path) -> Header:
@@ -188,9 +196,12 @@ def _header(record: Record, naming: Naming, robot: Robot | None, to: Path) -> He
     renamed = {naming.key(name): value for name, value in header.arguments.items()} | dict(naming.map.values)
     arguments = {name: value for name, value in renamed.items() if name in keys and keys[name].source == "argument"}
     origin = {
-        "journal": os.path.relpath(record.path, to.parent), "seal": record.seal, "mission": naming.was.name,
-        "version": naming.was.version, "map": json.dumps(naming.map.written()),
-    }  # fmt: skip
+        "journal": os.path.relpath(record.path, to.parent),
+        "seal": record.seal,
+        "mission": naming.was.name,
+        "version": naming.was.version,
+        "map": json.dumps(naming.map.written()),
+    }
     text = "" if naming.now.behaviours() else dump(naming.now)
     profile = dump_profile(robot) if robot is not None else ""
     return Header(

@@ -77,9 +77,15 @@ def _of_goals(mission: Mission) -> Iterator[tuple[str, Sequence[Any]]]:
     """The paths of goals, of what is seen and of requests, with examples that go together."""
     for each in mission.everything():
         if isinstance(each, GoalIs):
-            yield from ((path, values) for path, values in (
-                (each.goal, GOALS[:1]), (each.over, SIGHTS), (each.in_, REQUESTS[:1]),
-            ) if path is not None)  # fmt: skip
+            yield from (
+                (path, values)
+                for path, values in (
+                    (each.goal, GOALS[:1]),
+                    (each.over, SIGHTS),
+                    (each.in_, REQUESTS[:1]),
+                )
+                if path is not None
+            )
 
 
 def key_fields(name: str, key: Key, now: Any, examples: Mapping[str, tuple[Any, ...]]) -> tuple[Field, ...]:

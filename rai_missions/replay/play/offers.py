@@ -133,9 +133,10 @@ class OpenChoices:
     def _writing(self, name: str, words: str, keys: Mapping[str, Key], chart: Chart) -> PlayChoice:
         board = chart.view.board
         fields = tuple(
-            field for each, key in keys.items()
+            field
+            for each, key in keys.items()
             for field in key_fields(each, key, board[each].value if each in board else None, self._examples)
-        )  # fmt: skip
+        )
 
         def inputs(now: Chart, given: Mapping[str, Any]) -> list[Input]:
             written = dict(key_values(keys, assembled(fields, given), now.at))
@@ -188,8 +189,13 @@ class OpenChoices:
         for number in sorted(started.keys() - chart.state.goals.keys()):
             goal_of = started[number]
             event = Event(goal_of.action, 0.0, {"owner": goal_of.owner}, "stray", number)
-            yield _of(event, "goal", f"{goal_of.action} (goal {number}) executes, though its end was reported",
-                      goal_of.owner, name=f"goal {number} stray")._replace(is_rare=True)  # fmt: skip
+            yield _of(
+                event,
+                "goal",
+                f"{goal_of.action} (goal {number}) executes, though its end was reported",
+                goal_of.owner,
+                name=f"goal {number} stray",
+            )._replace(is_rare=True)
 
     def _goal(self, goal: Goal, pending: RunningActivity | None) -> Iterator[PlayChoice]:
         number, named = goal.number, f"{goal.action} (goal {goal.number})"
@@ -316,9 +322,13 @@ def _of(
 ) -> PlayChoice:
     """The choice of one event, with the values that are given in its data."""
     return PlayChoice(
-        name or f"{kind} {event.name}" if kind != "start" else "start", kind, words, _bringing(event, fields), fields,
+        name or f"{kind} {event.name}" if kind != "start" else "start",
+        kind,
+        words,
+        _bringing(event, fields),
+        fields,
         owner.partition("#")[0],
-    )  # fmt: skip
+    )
 
 
 def _bringing(event: Event, fields: tuple[Field, ...]) -> Callable[[Chart, Mapping[str, Any]], list[Input]]:
@@ -356,9 +366,11 @@ def _payloads(mission: Mission) -> dict[str, list[str]]:
     found: dict[str, list[str]] = {}
     for _, transition in mission.every_transition():
         paths = [
-            name.partition(".")[2] for part in transition.everything() for refers, name, _ in part.references()
+            name.partition(".")[2]
+            for part in transition.everything()
+            for refers, name, _ in part.references()
             if refers.sort == "path" and name.startswith("event.")
-        ]  # fmt: skip
+        ]
         for trigger in transition.on:
             here = found.setdefault(trigger, [])
             here += [path.partition(".")[0] for path in paths if path.partition(".")[0] not in here]

@@ -29,8 +29,9 @@ def fading(chart: Chart) -> dict[str, float]:
     board = chart.view.board
     ends = {
         name: stale_at(key, board[name])
-        for name, key in chart.mission.blackboard.items() if key.source == "robot" and name in board
-    }  # fmt: skip
+        for name, key in chart.mission.blackboard.items()
+        if key.source == "robot" and name in board
+    }
     return {name: end for name, end in ends.items() if chart.at < end < math.inf}
 
 

@@ -71,9 +71,13 @@ class ParallelTree(Branch, word="parallel"):
     """A child that has succeeded is not ticked again. With `success_on_one` there is no such child."""
 
     def __init__(
-        self, parallel: TreeNodes, *, policy: Policy | Iterable[int] = "success_on_all", synchronise: bool = True,
+        self,
+        parallel: TreeNodes,
+        *,
+        policy: Policy | Iterable[int] = "success_on_all",
+        synchronise: bool = True,
         name: str = "",
-    ) -> None: ...  # fmt: skip
+    ) -> None: ...
 
     def words(self) -> str:
         policy = self.policy if isinstance(self.policy, str) else f"success on {', '.join(map(str, self.policy))}"

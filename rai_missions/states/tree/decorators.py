@@ -91,9 +91,12 @@ class OneShot(Decorator, word="one_shot"):
     """Which end counts: any, or only success."""
 
     def __init__(
-        self, child: TreeNode, *, policy: Literal["on_completion", "on_successful_completion"] = "on_completion",
+        self,
+        child: TreeNode,
+        *,
+        policy: Literal["on_completion", "on_successful_completion"] = "on_completion",
         name: str = "",
-    ) -> None: ...  # fmt: skip
+    ) -> None: ...
 
 
 class Retry(Decorator, word="retry"):
@@ -147,7 +150,7 @@ class Condition(Decorator, word="condition"):
 
     def __init__(
         self, child: TreeNode, status: Literal["success", "failure", "running"], *, name: str = ""
-    ) -> None: ...  # fmt: skip
+    ) -> None: ...
 
 
 class StatusToBlackboard(Decorator, word="status_to_blackboard"):

@@ -38,10 +38,18 @@ class ActionLeaf(GoalFields, TreeNode, word="action"):
     takes_time: ClassVar = True
 
     def __init__(
-        self, action: str, *, goal: Mapping[str, Value] = {}, result: Mapping[str, str] = {},
-        achieved: GuardOrKey | None = None, settle_s: float = 0.0, cancel_s: float = 5.0, over_orphan: bool = False,
-        timeout_s: float | None = None, name: str = "",
-    ) -> None: ...  # fmt: skip
+        self,
+        action: str,
+        *,
+        goal: Mapping[str, Value] = {},
+        result: Mapping[str, str] = {},
+        achieved: GuardOrKey | None = None,
+        settle_s: float = 0.0,
+        cancel_s: float = 5.0,
+        over_orphan: bool = False,
+        timeout_s: float | None = None,
+        name: str = "",
+    ) -> None: ...
 
     def words(self) -> str:
         return "; ".join((f"action {self.action}", *self.goal_lines()))
@@ -53,9 +61,14 @@ class CallLeaf(CallFields, TreeNode, word="call"):
     takes_time: ClassVar = True
 
     def __init__(
-        self, call: str, *, request: Mapping[str, Value] = {}, result: Mapping[str, str] = {},
-        timeout_s: float | None = None, name: str = "",
-    ) -> None: ...  # fmt: skip
+        self,
+        call: str,
+        *,
+        request: Mapping[str, Value] = {},
+        result: Mapping[str, str] = {},
+        timeout_s: float | None = None,
+        name: str = "",
+    ) -> None: ...
 
     def words(self) -> str:
         return "; ".join((f"call {self.call}", *self.call_lines()))
@@ -99,9 +112,14 @@ class SetLeaf(TreeNode, word="set"):
     """The number by which it grows."""
 
     def __init__(
-        self, set: KeyPath, value: Value = None, *, from_: KeyPath | None = None, add: float | None = None,
+        self,
+        set: KeyPath,
+        value: Value = None,
+        *,
+        from_: KeyPath | None = None,
+        add: float | None = None,
         name: str = "",
-    ) -> None: ...  # fmt: skip
+    ) -> None: ...
 
     def effect(self) -> Set:
         """The effect that it is."""
@@ -146,12 +164,21 @@ class DecisionLeaf(TreeNode, word="decision"):
     """Option → what is done then."""
 
     def __init__(
-        self, question: str, *, options: Mapping[str, Option], evidence: Sequence[KeyPath] = (),
-        ask: Sequence[str] = ("agent", "operator", "rules"), attempts: int = 1, deadline_s: float | None = None,
-        within_s: float | None = None, fallback: str | None = None, budget: Budget = BUDGET,
+        self,
+        question: str,
+        *,
+        options: Mapping[str, Option],
+        evidence: Sequence[KeyPath] = (),
+        ask: Sequence[str] = ("agent", "operator", "rules"),
+        attempts: int = 1,
+        deadline_s: float | None = None,
+        within_s: float | None = None,
+        fallback: str | None = None,
+        budget: Budget = BUDGET,
         tools: Sequence[str] = (),
-        then: Mapping[str, TreeNode] = {}, name: str = "",
-    ) -> None: ...  # fmt: skip
+        then: Mapping[str, TreeNode] = {},
+        name: str = "",
+    ) -> None: ...
 
     @classmethod
     def spelled(cls, words: dict[str, Any]) -> dict[str, Any]:

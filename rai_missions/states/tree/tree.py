@@ -35,11 +35,18 @@ class Tree(State, word="tree"):
     """The root of the tree; in Python also a function that makes a behaviour of py_trees."""
 
     def __init__(
-        self, tree: TreeNode | Factory, *, tick_s: float = 0.1,
-        about: str = "", control: Controller | None = None, entry: Effect | Sequence[Effect] = (),
-        exit: Effect | Sequence[Effect] = (), transitions: Sequence[Transition] = (), timeout_s: float | None = None,
+        self,
+        tree: TreeNode | Factory,
+        *,
+        tick_s: float = 0.1,
+        about: str = "",
+        control: Controller | None = None,
+        entry: Effect | Sequence[Effect] = (),
+        exit: Effect | Sequence[Effect] = (),
+        transitions: Sequence[Transition] = (),
+        timeout_s: float | None = None,
         handover_s: float = 5.0,
-    ) -> None: ...  # fmt: skip
+    ) -> None: ...
 
     @classmethod
     def meanings(cls) -> Mapping[str, str]:

@@ -111,7 +111,7 @@ class Whisper:
         self._view = ctranslate2.StorageView
         self._model = ctranslate2.models.Whisper(
             weights.place, device="cpu", compute_type="int8", intra_threads=threads, files=weights.files
-        )  # fmt: skip
+        )
         self._task = [BEGIN, PLAIN] if not self._model.is_multilingual else [BEGIN, "<|en|>", "<|transcribe|>", PLAIN]
         self._tokens = PhraseTokens(weights.vocabulary)
         self._network = network
@@ -182,9 +182,14 @@ class Whisper:
         import numpy as np
 
         (found,) = self._model.generate(
-            encoded, [self._before], beam_size=1, max_length=len(self._before), return_logits_vocab=True,
-            suppress_blank=False, suppress_tokens=[],
-        )  # fmt: skip
+            encoded,
+            [self._before],
+            beam_size=1,
+            max_length=len(self._before),
+            return_logits_vocab=True,
+            suppress_blank=False,
+            suppress_tokens=[],
+        )
         (end,) = self._tokens.ids([END])
         raw = np.array(found.logits[0]).reshape(-1)[:end]
         chances = raw - raw.max()
@@ -209,16 +214,25 @@ class Whisper:
     def _guesses(self, encoded: Any) -> dict[str, float]:
         """The most probable texts with the phrases as the text before, with their log probabilities."""
         (found,) = self._model.generate(
-            encoded, [self._before], beam_size=GUESSES, num_hypotheses=GUESSES, length_penalty=0.0,
-            max_length=len(self._before) + GUESSED_TOKENS, return_scores=True,
-        )  # fmt: skip
+            encoded,
+            [self._before],
+            beam_size=GUESSES,
+            num_hypotheses=GUESSES,
+            length_penalty=0.0,
+            max_length=len(self._before) + GUESSED_TOKENS,
+            return_scores=True,
+        )
         return {text_of_tokens(each): score for each, score in zip(found.sequences, found.scores, strict=True)}
 
     def _decode(self, encoded: Any, prompt: list[str], longest: int) -> Any:
         return self._model.generate(
-            encoded, [prompt], beam_size=1, max_length=min(448, len(prompt) + longest), return_scores=True,
+            encoded,
+            [prompt],
+            beam_size=1,
+            max_length=min(448, len(prompt) + longest),
+            return_scores=True,
             return_no_speech_prob=True,
-        )[0]  # fmt: skip
+        )[0]
 
 
 def beginning(encoded: Any, samples: int) -> Any:

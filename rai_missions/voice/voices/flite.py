@@ -62,8 +62,11 @@ class Flite:
             words.write_text(text + "\n", encoding="utf-8")
             done = subprocess.run(
                 [self._program, "-voice", self._speaker, "-f", str(words), "-o", str(sound)],
-                stdin=subprocess.DEVNULL, capture_output=True, timeout=WITHIN_S, check=False,
-            )  # fmt: skip
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                timeout=WITHIN_S,
+                check=False,
+            )
             if done.returncode or not sound.exists():
                 why = cut(done.stderr.decode(errors="replace").strip() or f"status {done.returncode}", 200)
                 raise UsageError(f"flite made no sound ({why})")

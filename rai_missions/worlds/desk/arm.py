@@ -88,10 +88,13 @@ class Arm:
         self._next_s = at + PUBLISHED_S
         outbox.publish(GRIPPER, messages.text(self.gripper()))
         places, speeds = self._drive.states()
-        outbox.publish(JOINT_STATES, {
-            "header": messages.header(at, ""),
-            "name": [*JOINTS, *FINGER_JOINTS],
-            "position": [round(place, 5) for place in places.tolist()],
-            "velocity": [round(speed, 5) for speed in speeds.tolist()],
-            "effort": [],
-        })  # fmt: skip
+        outbox.publish(
+            JOINT_STATES,
+            {
+                "header": messages.header(at, ""),
+                "name": [*JOINTS, *FINGER_JOINTS],
+                "position": [round(place, 5) for place in places.tolist()],
+                "velocity": [round(speed, 5) for speed in speeds.tolist()],
+                "effort": [],
+            },
+        )

@@ -78,18 +78,21 @@ TRAY, BIN = (0.30, 0.20, 0.03), (0.18, 0.18, 0.10)
 HALF = CUBE_M / 2
 KINDS: Mapping[str, Kind] = {
     "cube": Kind(
-        (CUBE_M, CUBE_M, CUBE_M), 4,
+        (CUBE_M, CUBE_M, CUBE_M),
+        4,
         f'<geom type="box" size="{HALF} {HALF} {HALF}" rgba="{{colour}} 1" mass=".06" {SOLID} {FLAT}/>',
         has_colours=True,
     ),
     "apple": Kind(
-        (0.068, 0.068, 0.064), 0,
+        (0.068, 0.068, 0.064),
+        0,
         f'<geom type="ellipsoid" size=".034 .034 .032" rgba=".5 .72 .13 1" mass=".12" {SOLID} {ROUND}/>'
         f'<geom type="capsule" fromto="0 0 .028 .004 0 .042" size=".002" rgba=".35 .22 .1 1" {SEEN}/>'
         f'<geom type="ellipsoid" pos=".012 0 .037" euler="0 -.35 0" size=".011 .006 .001" rgba=".15 .45 .1 1" {SEEN}/>',
     ),
     "tomato": Kind(
-        (0.064, 0.064, 0.054), 0,
+        (0.064, 0.064, 0.054),
+        0,
         f'<geom type="ellipsoid" size=".032 .032 .027" rgba=".84 .12 .07 1" mass=".08" {SOLID} {ROUND}/>'
         + "".join(
             f'<geom type="ellipsoid" pos="{0.011 * np.cos(turn):.4f} {0.011 * np.sin(turn):.4f} .0252" '
@@ -99,21 +102,23 @@ KINDS: Mapping[str, Kind] = {
         ),
     ),
     "carrot": Kind(
-        (0.14, 0.04, 0.04), 1,
+        (0.14, 0.04, 0.04),
+        1,
         f'<geom type="capsule" fromto="-.052 0 0 0 0 0" size=".018" mass=".05" {HIDDEN} {ROUND}/>'
         f'<geom type="capsule" fromto="0 0 0 .06 0 0" size=".011" mass=".02" {HIDDEN} {ROUND}/>'
         f'<geom type="mesh" mesh="carrot" rgba=".93 .45 .08 1" {SEEN}/>'
         f'<geom type="mesh" mesh="carrot_leaves" rgba=".16 .5 .13 1" {SEEN}/>',
     ),
     "corn": Kind(
-        (0.16, 0.044, 0.044), 2,
+        (0.16, 0.044, 0.044),
+        2,
         f'<geom type="capsule" fromto="-.056 0 0 .056 0 0" size=".022" mass=".1" {HIDDEN} {ROUND}/>'
         f'<geom type="mesh" mesh="corn" rgba=".95 .78 .2 1" {SEEN}/>'
         f'<geom type="mesh" mesh="corn_husk" rgba=".42 .62 .22 1" {SEEN}/>',
     ),
     "tray": Kind(TRAY, 2, _container(TRAY, ".55 .58 .62 1", 0.6), is_container=True),
     "bin": Kind(BIN, 4, _container(BIN, ".2 .32 .38 1", 0.8), is_container=True),
-}  # fmt: skip
+}
 LOOKALIKES: Mapping[str, tuple[str, ...]] = {
     "apple": ("tomato",), "tomato": ("apple",), "carrot": ("corn",), "corn": ("carrot",), "tray": ("bin",),
     "bin": ("tray",), "red": ("orange", "purple"), "orange": ("red", "yellow"), "yellow": ("orange", "white"),
@@ -146,8 +151,11 @@ def body(name: str, kind: str, colour: str) -> str:
 def assets() -> tuple[str, dict[str, bytes]]:
     """The meshes: MJCF for `<asset>`, and the files by name."""
     meshes = {
-        "carrot": _spun(CARROT), "carrot_leaves": carrot_leaves(), "corn": _spun(CORN), "corn_husk": _spun(CORN_HUSK),
-    }  # fmt: skip
+        "carrot": _spun(CARROT),
+        "carrot_leaves": carrot_leaves(),
+        "corn": _spun(CORN),
+        "corn_husk": _spun(CORN_HUSK),
+    }
     listed = "".join(f'<mesh name="{name}" file="{name}.obj"/>' for name in meshes)
     return listed, {f"{name}.obj": mesh.obj() for name, mesh in meshes.items()}
 

@@ -191,6 +191,11 @@ def hand_parts(pose: ToolPose, wide: float, opening: float) -> list[Slab]:
 def _part(pose: ToolPose, along: float, half_x: float, half_y: float, up: float) -> Slab:
     """A box of the hand, so far along the closing direction."""
     return Slab(
-        pose.x + math.sin(pose.yaw) * along, pose.y - math.cos(pose.yaw) * along, pose.yaw, half_x, half_y,
-        pose.z + up, math.inf,
-    )  # fmt: skip
+        pose.x + math.sin(pose.yaw) * along,
+        pose.y - math.cos(pose.yaw) * along,
+        pose.yaw,
+        half_x,
+        half_y,
+        pose.z + up,
+        math.inf,
+    )

@@ -76,9 +76,11 @@ class DeskJudge:
     def measures(self) -> dict[str, Any]:
         """The strongest forces (N), and how far each thing is from where it lay at first (m)."""
         return {
-            "fallen": list(self.fallen), "struck_n": round(self.struck_n, 1), "grip_n": round(self.grip_n, 1),
+            "fallen": list(self.fallen),
+            "struck_n": round(self.struck_n, 1),
+            "grip_n": round(self.grip_n, 1),
             "moved_m": {name: round(far, 3) for name, far in zip(self._names, self._moved_m(), strict=True)},
-        }  # fmt: skip
+        }
 
     def moved_share(self) -> float:
         """How many of the things are elsewhere than at first, as a share, 0 to 1."""

@@ -146,9 +146,13 @@ def toward(pose: ToolPose) -> Joints:
 def _turn_between(present: NDArray[np.float64], wanted: NDArray[np.float64]) -> NDArray[np.float64]:
     """The rotation from one orientation to another, as axis times angle (rad); exact up to half a turn."""
     difference = wanted @ present.T
-    axis = np.array([
-        difference[2, 1] - difference[1, 2], difference[0, 2] - difference[2, 0], difference[1, 0] - difference[0, 1],
-    ])  # fmt: skip
+    axis = np.array(
+        [
+            difference[2, 1] - difference[1, 2],
+            difference[0, 2] - difference[2, 0],
+            difference[1, 0] - difference[0, 1],
+        ]
+    )
     sine = float(np.linalg.norm(axis)) / 2
     angle = math.atan2(sine, (float(np.trace(difference)) - 1) / 2)
     return axis / 2 if sine < 1e-9 else axis * (angle / (2 * sine))

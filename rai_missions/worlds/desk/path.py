@@ -100,8 +100,9 @@ def _filled(corners: Sequence[tuple[float, float]]) -> Iterator[tuple[float, flo
         count = math.ceil(apart / (STRAIGHT_M * 2 if before[0] == after[0] else ACROSS_M))
         for number in range(1, count + 1):
             yield (
-                before[0] + (after[0] - before[0]) * number / count, before[1] + (after[1] - before[1]) * number / count
-            )  # fmt: skip
+                before[0] + (after[0] - before[0]) * number / count,
+                before[1] + (after[1] - before[1]) * number / count,
+            )
 
 
 def _level(start: ToolPose, end: ToolPose, part: float, up: float) -> ToolPose:
@@ -111,6 +112,9 @@ def _level(start: ToolPose, end: ToolPose, part: float, up: float) -> ToolPose:
     angle = begin + math.remainder(math.atan2(end.y, end.x) - begin, math.tau) * part
     radius = near + (far - near) * part
     return ToolPose(
-        radius * math.cos(angle), radius * math.sin(angle), up, start.yaw + (end.yaw - start.yaw) * part,
+        radius * math.cos(angle),
+        radius * math.sin(angle),
+        up,
+        start.yaw + (end.yaw - start.yaw) * part,
         start.tilt + (end.tilt - start.tilt) * part,
-    )  # fmt: skip
+    )

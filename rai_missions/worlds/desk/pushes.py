@@ -108,9 +108,14 @@ def _lane(slab: Slab, heading: float, distance: float) -> Slab:
     """What a slab covers while it is pushed."""
     cos, sin = math.cos(heading), math.sin(heading)
     return Slab(
-        slab.x + cos * distance / 2, slab.y + sin * distance / 2, heading,
-        slab.half_along(heading) + distance / 2, slab.half_along(heading + math.pi / 2), slab.bottom, slab.top,
-    )  # fmt: skip
+        slab.x + cos * distance / 2,
+        slab.y + sin * distance / 2,
+        heading,
+        slab.half_along(heading) + distance / 2,
+        slab.half_along(heading + math.pi / 2),
+        slab.bottom,
+        slab.top,
+    )
 
 
 def _moved(one: SeenThing, dx: float, dy: float) -> SeenThing:

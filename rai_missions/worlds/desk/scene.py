@@ -65,8 +65,9 @@ def build(objects: Sequence[DeskObject], robot: Fragment = NO_ARM) -> Any:
     bodies = "".join(catalogue.body(object_name(number), one.kind, one.colour) for number, one in enumerate(objects))
     legs = "".join(
         f'<geom type="box" pos="{x} {y} -.395" size=".03 .03 .355" rgba=".3 .3 .32 1"/>'
-        for x in (-0.2, 0.95) for y in (-0.75, 0.75)
-    )  # fmt: skip
+        for x in (-0.2, 0.95)
+        for y in (-0.75, 0.75)
+    )
     xml = f"""<mujoco model="desk"><compiler angle="radian" autolimits="true"/>
 <option timestep="{TIMESTEP_S}" integrator="implicitfast" cone="elliptic" impratio="10"/>
 <visual><global offwidth="1280" offheight="960"/><quality shadowsize="0" offsamples="0"/><map znear=".02" zfar="12"/>

@@ -271,12 +271,19 @@ def _fact(track: ObjectTrack, *, is_at_rest: bool) -> dict[str, Any]:
     assert track.thing is not None
     pose, (kind, colour) = track.pose, track.thing
     return {
-        "name": track.name, "type": kind, "colour": colour,
-        "x": round(pose.x, 5), "y": round(pose.y, 5), "z": round(pose.z, 5),
-        "yaw": round(_folded(pose.yaw, KINDS[kind].turns), 4), "size": list(KINDS[kind].size),
-        "sigma_m": round(pose.sigma_m, 5), "looks": track.looks, "agreeing": track.agreeing,
+        "name": track.name,
+        "type": kind,
+        "colour": colour,
+        "x": round(pose.x, 5),
+        "y": round(pose.y, 5),
+        "z": round(pose.z, 5),
+        "yaw": round(_folded(pose.yaw, KINDS[kind].turns), 4),
+        "size": list(KINDS[kind].size),
+        "sigma_m": round(pose.sigma_m, 5),
+        "looks": track.looks,
+        "agreeing": track.agreeing,
         "at_rest": is_at_rest,
-    }  # fmt: skip
+    }
 
 
 def _folded(yaw: float, turns: int) -> float:

@@ -122,9 +122,11 @@ class Trajectory:
         low, high = self._points[number], self._points[number + 1]
         bent, bends = self._curved[number], self._curved[number + 1]
         return np.asarray(
-            bent * ahead**3 / (6 * wide) + bends * past**3 / (6 * wide)
-            + (low / wide - bent * wide / 6) * ahead + (high / wide - bends * wide / 6) * past
-        )  # fmt: skip
+            bent * ahead**3 / (6 * wide)
+            + bends * past**3 / (6 * wide)
+            + (low / wide - bent * wide / 6) * ahead
+            + (high / wide - bends * wide / 6) * past
+        )
 
 
 def _sampled(wanted: Any) -> NDArray[np.float64]:

@@ -46,9 +46,13 @@ class WayPlanner:
         self._kinematics = kinematics
 
     def first(
-        self, start: WayStart, ends: Iterable[Grasp], seen: Sequence[SeenThing], hanging: tuple[float, float],
+        self,
+        start: WayStart,
+        ends: Iterable[Grasp],
+        seen: Sequence[SeenThing],
+        hanging: tuple[float, float],
         same: float,
-    ) -> tuple[Trajectory, Grasp]:  # fmt: skip
+    ) -> tuple[Trajectory, Grasp]:
         """The way to the first of several ends that the arm can reach.
 
         Args:

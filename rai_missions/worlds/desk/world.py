@@ -74,9 +74,13 @@ class Desk(Simulation):
         wrong = DeskFaults.of(faults, [one.name for one in self.objects])
         model = build(self.objects, fragment())
         super().__init__(
-            model, Outbox("", {**interface.TOPICS, **arm.TOPICS}), None,
-            camera=Camera.aligned(model) if camera else None, start_s=start_s, timestep_s=TIMESTEP_S,
-        )  # fmt: skip
+            model,
+            Outbox("", {**interface.TOPICS, **arm.TOPICS}),
+            None,
+            camera=Camera.aligned(model) if camera else None,
+            start_s=start_s,
+            timestep_s=TIMESTEP_S,
+        )
         self.arm = Arm(self.model, self.data)
         settle(self.model, self.data, self.objects)
         self.judge = DeskJudge(self.model, self.data, self.objects)
@@ -166,9 +170,12 @@ class Desk(Simulation):
         things = self._tracks.things()
         self.arm.see(things, self.at)
         fact = {
-            "things": things, "unsure": self._tracks.unsure(), "gripper": gripper_word(self.arm.gripper()),
-            "looks": self._tracks.looks, "stamp_s": self.at,
-        }  # fmt: skip
+            "things": things,
+            "unsure": self._tracks.unsure(),
+            "gripper": gripper_word(self.arm.gripper()),
+            "looks": self._tracks.looks,
+            "stamp_s": self.at,
+        }
         self._outbox.publish(interface.OBJECTS, messages.text(fact))
 
 

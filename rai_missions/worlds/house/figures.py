@@ -37,8 +37,9 @@ class Figure(NamedTuple):
 
 LEGS = "".join(
     f'<geom type="cylinder" pos="{x} {y} .22" size=".022 .22" rgba="{{colour}} 1" {SOLID}/>'
-    for x in (-0.17, 0.17) for y in (-0.17, 0.17)
-)  # fmt: skip
+    for x in (-0.17, 0.17)
+    for y in (-0.17, 0.17)
+)
 FIGURES: Mapping[str, Figure] = {
     "ball": Figure(
         f'<geom type="sphere" pos="0 0 .11" size=".11" rgba="{{colour}} 1" {SOLID}/>', ("red", "blue"), True
@@ -109,9 +110,12 @@ def person(name: str, number: int, place: tuple[float, float], *, lies: bool = F
         lies: On the back, lower than the lidar looks; the robot and its depth camera meet the body, the lidar does not.
     """
     parts = {
-        "skin": ".86 .66 .53 1", "vest": CLOTHES[number % len(CLOTHES)], "hair": ".2 .12 .07 1",
-        "trousers": ".16 .18 .25 1", "boots": ".14 .1 .08 1",
-    }  # fmt: skip
+        "skin": ".86 .66 .53 1",
+        "vest": CLOTHES[number % len(CLOTHES)],
+        "hair": ".2 .12 .07 1",
+        "trousers": ".16 .18 .25 1",
+        "boots": ".14 .1 .08 1",
+    }
     seen = "".join(f'<geom type="mesh" mesh="{mesh}" rgba="{rgba}" {SEEN}/>' for mesh, rgba in parts.items())
     solid = f'<geom type="cylinder" pos="0 0 .45" size=".17 .45" rgba="{HARDLY_SEEN}" {SOLID}/>'
     if lies:

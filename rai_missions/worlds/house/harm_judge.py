@@ -69,6 +69,8 @@ class HouseJudge:
     def measures(self) -> dict[str, Any]:
         """The strongest force (N), the way driven (m), and the rooms seen."""
         return {
-            "touched_person": self.touched, "struck_n": round(self.struck_n, 1), "driven_m": round(self.driven_m, 3),
+            "touched_person": self.touched,
+            "struck_n": round(self.struck_n, 1),
+            "driven_m": round(self.driven_m, 3),
             "rooms": sorted(self.rooms),
-        }  # fmt: skip
+        }

@@ -97,9 +97,13 @@ class Navigator:
         self.outcome, self.why, self.error = "failed", why, error
 
     def see(
-        self, place: tuple[float, float], heading: float, angles: NDArray[np.float64], ranges: NDArray[np.float64],
+        self,
+        place: tuple[float, float],
+        heading: float,
+        angles: NDArray[np.float64],
+        ranges: NDArray[np.float64],
         below: LowPoints | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Take in a scan, and what is below it.
 
         Args:

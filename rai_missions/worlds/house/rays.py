@@ -29,7 +29,7 @@ class Rays:
 
     def __init__(
         self, model: Any, data: Any, directions: NDArray[np.float64], groups: Collection[int], reach_m: float
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._model, self._data, self._directions, self._reach_m = model, data, directions, reach_m
         self._robot = model.body("rosbot").id
         self._groups = np.array([group in groups for group in range(GEOM_GROUPS)], np.uint8)
@@ -45,7 +45,17 @@ class Rays:
         """
         rays = (self._directions @ turned.reshape(3, 3).T).ravel()
         mujoco.mj_multiRay(
-            self._model, self._data, place, rays, self._groups, 1, self._robot,
-            self._hit, self._far, None, len(self._directions), self._reach_m,
-        )  # fmt: skip
+            self._model,
+            self._data,
+            place,
+            rays,
+            self._groups,
+            1,
+            self._robot,
+            self._hit,
+            self._far,
+            None,
+            len(self._directions),
+            self._reach_m,
+        )
         return self._far

@@ -85,10 +85,14 @@ def _crate_stays(_rng: Draw) -> Fields:
 
 
 CASES: tuple[DrawnCase, ...] = (
-    (16, "leaves_now_low_battery", _leaves_now), (13, "closes_again", _closes_again),
-    (15, "leaves_later", _leaves_later), (14, "crate_leaves", _crate_leaves),
-    (15, "heeds", _heeds), (14, "crate_attended", _crate_attended),
-    (10, "lies", _lies), (3, "crate_stays", _crate_stays),
-)  # fmt: skip
+    (16, "leaves_now_low_battery", _leaves_now),
+    (13, "closes_again", _closes_again),
+    (15, "leaves_later", _leaves_later),
+    (14, "crate_leaves", _crate_leaves),
+    (15, "heeds", _heeds),
+    (14, "crate_attended", _crate_attended),
+    (10, "lies", _lies),
+    (3, "crate_stays", _crate_stays),
+)
 """Weight, kind, and what is drawn for it. Cases of one outcome are neighbours, so that each outcome has about its
 share in any run of seeds."""

@@ -97,9 +97,13 @@ class House(Simulation):
         here = residents(seed, words.get("people", 0) if people is None else people)
         model = build(self.objects, here)
         super().__init__(
-            model, outbox, energy, camera=Camera.aligned(model) if camera else None,
-            start_s=start_s, timestep_s=TIMESTEP_S,
-        )  # fmt: skip
+            model,
+            outbox,
+            energy,
+            camera=Camera.aligned(model) if camera else None,
+            start_s=start_s,
+            timestep_s=TIMESTEP_S,
+        )
         self.rosbot = Rosbot(self.model, self.data)
         self.doors = Doors(self.model, self.data, blocked)
         self.residents = Residents(self.model, self.data, here)

@@ -66,7 +66,7 @@ EXTRAS = {
  <geom type="cylinder" pos="1.1 .5 .2" size=".03 .2" rgba=".9 .2 .1 1" {GHOST}/>""",
     ("lying_person", "resting"): f"""<geom type="cylinder" pos=".3 .55 .9" euler="0 90 0" size=".2 .12" material="wood"
  {GHOST}/><geom type="ellipsoid" pos="-.1 0 1.68" size=".06 .2 .2" rgba=".85 .74 .45 1" {GHOST}/>""",
-}  # fmt: skip
+}
 """What shows the variants of the living: ear muffs, a tether with its peg, a basket and a straw hat."""
 
 

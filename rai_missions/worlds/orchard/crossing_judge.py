@@ -154,9 +154,13 @@ class CrossingJudge:
         crossing.pitch_deg = max(crossing.pitch_deg, abs(pitch))
         crossing.roll_deg = max(crossing.roll_deg, abs(roll))
         crossing.moved_m = max(
-            (math.dist(self._place(n), start) for n, start in zip(crossing.numbers, crossing.start, strict=True)
-             if not self._living[n]), default=0.0,
-        )  # fmt: skip
+            (
+                math.dist(self._place(n), start)
+                for n, start in zip(crossing.numbers, crossing.start, strict=True)
+                if not self._living[n]
+            ),
+            default=0.0,
+        )
         crossing.broke_n = max((self.broken.get(number, 0.0) for number in crossing.numbers), default=0.0)
         for number, by_tyre, newton in forces:
             if number in crossing.numbers:

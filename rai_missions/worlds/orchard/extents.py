@@ -40,9 +40,11 @@ class Extents:
         self._sensed = [np.flatnonzero((model.geom_bodyid == body) & (model.geom_group == 3)) for body in bodies]
         self._hard = [geoms[model.geom_contype[geoms] > 0] for geoms in self._sensed]
         self._hard = [
-            np.append(hard, [g for g in range(model.ngeom) if self._is_bridge(g, body) and model.geom_contype[g] > 0])
-            .astype(int) for hard, body in zip(self._hard, bodies, strict=True)
-        ]  # fmt: skip
+            np.append(
+                hard, [g for g in range(model.ngeom) if self._is_bridge(g, body) and model.geom_contype[g] > 0]
+            ).astype(int)
+            for hard, body in zip(self._hard, bodies, strict=True)
+        ]
 
     def _is_bridge(self, geom: int, body: int) -> bool:
         """Whether it belongs to what lies over an obstacle to protect it."""

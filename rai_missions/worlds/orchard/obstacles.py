@@ -33,9 +33,13 @@ ASIDE_M = 2.3
 
 
 BOUNDS = {
-    "along": (0, 1), "across_m": (-5, 5), "turn_deg": (-360, 360), "heeds_after": (0, NEVER), "lingers_s": (0, 1e6),
+    "along": (0, 1),
+    "across_m": (-5, 5),
+    "turn_deg": (-360, 360),
+    "heeds_after": (0, NEVER),
+    "lingers_s": (0, 1e6),
     "size": (0.2, 3),
-}  # fmt: skip
+}
 """Field of an obstacle → its least and its greatest number."""
 
 
@@ -102,10 +106,21 @@ def _complete(things: list[Obstacle], layout: Layout) -> tuple[Obstacle, ...]:
     """The things, then what lies hidden in them, then who attends to them."""
     hidden = [replace(one, kind=one.hides, hides="", size=1.0, variant="") for one in things if one.hides]
     workers = [
-        replace(one, kind="person", across_m=ASIDE_M, along=_between_trees(one.along, layout), turn_deg=270.0,
-                size=1.0, variant="", hides="", attended=False, attends=number)
-        for number, one in enumerate(things) if one.attended
-    ]  # fmt: skip
+        replace(
+            one,
+            kind="person",
+            across_m=ASIDE_M,
+            along=_between_trees(one.along, layout),
+            turn_deg=270.0,
+            size=1.0,
+            variant="",
+            hides="",
+            attended=False,
+            attends=number,
+        )
+        for number, one in enumerate(things)
+        if one.attended
+    ]
     return (*things, *hidden, *workers)
 
 

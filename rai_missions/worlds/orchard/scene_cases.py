@@ -26,20 +26,29 @@ def scene_options(seed: int) -> tuple[str, Fields]:
     _, kind, draw = drawn_case(seed, CASES)
     rng = random.Random(f"orchard scene {seed}")
     obstacle = {
-        "kind": kind, "alley": 0, "along": _round(rng.uniform(0.5, 0.62)), "across_m": _round(rng.uniform(-0.15, 0.15)),
-        "turn_deg": _round(rng.uniform(72, 108)), "heeds_after": NEVER, "lingers_s": LONG_S,
-    }  # fmt: skip
+        "kind": kind,
+        "alley": 0,
+        "along": _round(rng.uniform(0.5, 0.62)),
+        "across_m": _round(rng.uniform(-0.15, 0.15)),
+        "turn_deg": _round(rng.uniform(72, 108)),
+        "heeds_after": NEVER,
+        "lingers_s": LONG_S,
+    }
     obstacle |= {name: _round(value) for name, value in draw(rng).items()}
     air = _air(rng)
     bad = max(air.values(), default=0.0)
     options: Fields = {
-        "seed": seed, "alleys": ALLEYS, "length_m": LENGTH_M, "obstacles": [obstacle],
+        "seed": seed,
+        "alleys": ALLEYS,
+        "length_m": LENGTH_M,
+        "obstacles": [obstacle],
         "detector": {
-            "noise": _round(0.02 + 0.23 * bad * rng.random()), "miss": _round(0.15 * bad * rng.random()),
+            "noise": _round(0.02 + 0.23 * bad * rng.random()),
+            "miss": _round(0.15 * bad * rng.random()),
             "confuse": _round(rng.uniform(0.0, 0.04) + 0.26 * bad * rng.random()),
         },
         "stop_at_m": _round(rng.choice((4.0, 5.0, 5.0, 6.0, 7.0))),
-    }  # fmt: skip
+    }
     return kind, options | ({"conditions": air} if air else {})
 
 
@@ -117,30 +126,53 @@ FULL, THICK = _all(_has(variant="full"), _track), _sized(1.9, 2.4)
 UPHILL, DOWNHILL = _turned(0.0), _turned(180.0)
 MUFFS, TETHERED, RESTING = _has(variant="muffs"), _has(variant="tethered"), _has(variant="resting")
 CASES: tuple[DrawnCase, ...] = (
-    (4.8, "tall_grass", _flat), (4.7, "plastic_bag", _as_is), (1.6, "plastic_bag", _has(variant="full", across_m=0.05)),
-    (2.8, "puddle", _sized(0.8, 1.2)), (5.0, "hose", _lengthwise),
-    (1.9, "hose", _has(variant="bridged", across_m=0.0, turn_deg=90.0)), (7.3, "ladder", _lengthwise),
-    (1.6, "fallen_fence", UPHILL), (5.0, "branch", _sized(0.7, 1.15)),
+    (4.8, "tall_grass", _flat),
+    (4.7, "plastic_bag", _as_is),
+    (1.6, "plastic_bag", _has(variant="full", across_m=0.05)),
+    (2.8, "puddle", _sized(0.8, 1.2)),
+    (5.0, "hose", _lengthwise),
+    (1.9, "hose", _has(variant="bridged", across_m=0.0, turn_deg=90.0)),
+    (7.3, "ladder", _lengthwise),
+    (1.6, "fallen_fence", UPHILL),
+    (5.0, "branch", _sized(0.7, 1.15)),
     (1.1, "crate", lambda rng: {"across_m": _side(rng, 1.3, 1.4), "turn_deg": 90.0}),
-    (0.7, "log", _all(_lengthwise, _sized(0.7, 0.9))), (0.3, "branch", _all(THICK, _attended, _leaving)),
+    (0.7, "log", _all(_lengthwise, _sized(0.7, 0.9))),
+    (0.3, "branch", _all(THICK, _attended, _leaving)),
     # what leaves by itself
-    (1.9, "plastic_bag", _all(FULL, _attended, _leaving)), (2.5, "hose", _all(_attended, _leaving)),
-    (2.6, "ladder", _all(_attended, _leaving)), (1.3, "crate", _all(_attended, _leaving)),
-    (1.2, "scarecrow", _all(_attended, _leaving)), (4.3, "person", _all(_facing, MUFFS, _leaving)),
-    (3.4, "animal", _all(_facing, _leaving)), (3.2, "cat", _all(_track, _facing, _leaving)),
+    (1.9, "plastic_bag", _all(FULL, _attended, _leaving)),
+    (2.5, "hose", _all(_attended, _leaving)),
+    (2.6, "ladder", _all(_attended, _leaving)),
+    (1.3, "crate", _all(_attended, _leaving)),
+    (1.2, "scarecrow", _all(_attended, _leaving)),
+    (4.3, "person", _all(_facing, MUFFS, _leaving)),
+    (3.4, "animal", _all(_facing, _leaving)),
+    (3.2, "cat", _all(_track, _facing, _leaving)),
     (2.0, "lying_person", _all(RESTING, _leaving)),
     # what heeds a signal
-    (2.0, "plastic_bag", _all(FULL, _attended, _heeding)), (2.2, "hose", _all(_attended, _heeding)),
-    (2.3, "ladder", _all(_attended, _heeding)), (1.2, "crate", _all(_track, _attended, _heeding)),
-    (1.3, "scarecrow", _all(_attended, _heeding)), (4.3, "person", _all(_facing, _heeding)),
-    (3.5, "animal", _all(_facing, _heeding)), (3.2, "cat", _all(_track, _facing, _heeding)),
-    (2.4, "lying_person", _all(RESTING, _heeding)), (0.3, "branch", _all(THICK, _attended, _heeding)),
+    (2.0, "plastic_bag", _all(FULL, _attended, _heeding)),
+    (2.2, "hose", _all(_attended, _heeding)),
+    (2.3, "ladder", _all(_attended, _heeding)),
+    (1.2, "crate", _all(_track, _attended, _heeding)),
+    (1.3, "scarecrow", _all(_attended, _heeding)),
+    (4.3, "person", _all(_facing, _heeding)),
+    (3.5, "animal", _all(_facing, _heeding)),
+    (3.2, "cat", _all(_track, _facing, _heeding)),
+    (2.4, "lying_person", _all(RESTING, _heeding)),
+    (0.3, "branch", _all(THICK, _attended, _heeding)),
     # what stays
-    (0.1, "plastic_bag", FULL), (0.1, "puddle", _all(_sized(1.4, 1.6), _has(variant="deep", across_m=0.0))),
-    (0.2, "fallen_fence", DOWNHILL), (0.4, "log", _sized(0.8, 1.2)), (0.4, "fallen_tree", _as_is),
+    (0.1, "plastic_bag", FULL),
+    (0.1, "puddle", _all(_sized(1.4, 1.6), _has(variant="deep", across_m=0.0))),
+    (0.2, "fallen_fence", DOWNHILL),
+    (0.4, "log", _sized(0.8, 1.2)),
+    (0.4, "fallen_tree", _as_is),
     (0.6, "fallen_tree", _lengthwise),
-    (4.5, "tall_grass", _hidden), (3.3, "hose", _as_is), (3.1, "ladder", _as_is), (1.2, "scarecrow", _facing),
-    (0.5, "person", _all(_facing, MUFFS)), (0.5, "animal", _all(_facing, TETHERED)), (0.7, "lying_person", _as_is),
-)  # fmt: skip
+    (4.5, "tall_grass", _hidden),
+    (3.3, "hose", _as_is),
+    (3.1, "ladder", _as_is),
+    (1.2, "scarecrow", _facing),
+    (0.5, "person", _all(_facing, MUFFS)),
+    (0.5, "animal", _all(_facing, TETHERED)),
+    (0.7, "lying_person", _as_is),
+)
 """Weight, kind, and what is drawn for it. Cases that came out alike on scenes for tuning stand together: the golden
 ratio's multiples fill neighbours evenly, so each outcome has about its share in any run of seeds."""

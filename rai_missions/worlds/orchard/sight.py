@@ -109,10 +109,12 @@ class GeometrySight:
         seen = [n for n in inside if not any(self._hides(other, n, pose) for other in inside if other != n)]
         return {
             n: ObstacleMeasures(
-                self._extents.reach(n, _ahead(pose))[0] - _along(pose), self._extents.top_m(n),
+                self._extents.reach(n, _ahead(pose))[0] - _along(pose),
+                self._extents.top_m(n),
                 self._extents.around_m(n, *pose[:3]),
-            ) for n in seen
-        }  # fmt: skip
+            )
+            for n in seen
+        }
 
     def _is_in_way(self, number: int, pose: TractorPose) -> bool:
         near, far = self._extents.reach(number, _ahead(pose))

@@ -32,12 +32,13 @@ class Walkers:
 
     def __init__(
         self, model: Any, data: Any, layout: Layout, obstacles: Sequence[Obstacle], bodies: Sequence[int]
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._model, self._data, self._bodies = model, data, bodies
         self._walkers = {
             number: Walker(one, layout) if one.attends is None else Attendant(one, layout, obstacles[one.attends])
-            for number, one in enumerate(obstacles) if one.living
-        }  # fmt: skip
+            for number, one in enumerate(obstacles)
+            if one.living
+        }
         self._idle: set[int] = set()
         """The workers who have fetched what they attended to."""
 

@@ -96,15 +96,21 @@ class Orchard(Simulation):
         self.obstacles = place(seed, self.layout, obstacles)
         model = scene.build(self.layout, self.obstacles, shadows=shadows, conditions=Conditions.of(conditions))
         super().__init__(
-            model, Outbox(f"/{robot}", interface.TOPICS), Battery.of(battery),
+            model,
+            Outbox(f"/{robot}", interface.TOPICS),
+            Battery.of(battery),
             camera=Camera(model, paint=textures.paint) if camera else None,
-            start_s=start_s, timestep_s=scene.TIMESTEP_S,
-        )  # fmt: skip
+            start_s=start_s,
+            timestep_s=scene.TIMESTEP_S,
+        )
         self.tractor = Tractor(self.model, self.data)
         self.judge = CrossingJudge(
-            self.model, self.data, self.tractor, tuple(o.living for o in self.obstacles),
+            self.model,
+            self.data,
+            self.tractor,
+            tuple(o.living for o in self.obstacles),
             tuple(KINDS[o.kind].breaks_at_n for o in self.obstacles),
-        )  # fmt: skip
+        )
         self.counter = AlleyCounter(self.layout)
         lattice = Lattice(self.layout)
         self.autonomy = Autonomy(lattice, attempts=attempts, handed_over=self._hand_over, stop_at_m=stop_at_m)

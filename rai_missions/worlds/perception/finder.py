@@ -148,9 +148,12 @@ class ObjectFinder:
             names, lens, self._asked = self._names, self._lens, True
         try:
             connector.call(
-                self._config.detector, CLASSIFY[1], request(names, picture), timeout_s=LATE_S,
+                self._config.detector,
+                CLASSIFY[1],
+                request(names, picture),
+                timeout_s=LATE_S,
                 on_reply=lambda reply: self._on_reply(reply, at, names, pose, lens, depth),
-            )  # fmt: skip
+            )
         except ConnectorError as fault:
             self._fail(at, str(fault))
 
@@ -213,11 +216,18 @@ class ObjectFinder:
     def _fact(self, one: AgreedObject) -> dict[str, Any]:
         x, y, z, away = (round(value, 2) for value in one.place)
         return {
-            "object": one.name, "x": x, "y": y, "z": z, "distance_m": away, "certainty": round(one.certainty, 2),
-            "agreeing": one.agreeing, "looks": one.looks, "score": round(one.score, 2),
+            "object": one.name,
+            "x": x,
+            "y": y,
+            "z": z,
+            "distance_m": away,
+            "certainty": round(one.certainty, 2),
+            "agreeing": one.agreeing,
+            "looks": one.looks,
+            "score": round(one.score, 2),
             "room": _area(self._config.rooms, x, y, 0.0),
             "on": (_area(self._config.furniture, x, y, 0.15) if z > 0.3 else "") or "floor",
-        }  # fmt: skip
+        }
 
     def _publish(self, topic: str, fact: Mapping[str, Any]) -> None:
         connector = self._connector

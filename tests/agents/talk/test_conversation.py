@@ -37,9 +37,13 @@ MOVING: dict[str, Any] = {
                "transitions": [{"on": "go", "to": "over"}, {"on": "succeeded", "to": "over"}]},
     "over": {"final": "aborted", "about": "given up"},
 }  # fmt: skip
-KEPT = robot(actions={"move": {"action": "/move", "type": "x/action/Move", "uses": ["base"], "keep": True},
-                      "turn": {"action": "/turn", "type": "x/action/Turn", "uses": ["base"]},
-                      "drive": {"start": "/drive", "succeeded": {"key": "there", "==": True}}})  # fmt: skip
+KEPT = robot(
+    actions={
+        "move": {"action": "/move", "type": "x/action/Move", "uses": ["base"], "keep": True},
+        "turn": {"action": "/turn", "type": "x/action/Turn", "uses": ["base"]},
+        "drive": {"start": "/drive", "succeeded": {"key": "there", "==": True}},
+    }
+)
 ASKED = asking(ask=["operator"], deadline_s=600)
 
 
@@ -93,8 +97,11 @@ def test_a_stop_before_the_start_keeps_the_robot_where_it_is_until_it_is_resumed
 
 @pytest.mark.parametrize("waits", [True, False])
 def test_a_start_after_a_stop_before_it_begins_the_mission(waits: bool) -> None:
-    with Talk(mission(MOVING, blackboard={**KEYS, "there": {"type": "boolean", "source": "robot"}}),
-              clock=WallClock(), waits=waits) as talk:  # fmt: skip
+    with Talk(
+        mission(MOVING, blackboard={**KEYS, "there": {"type": "boolean", "source": "robot"}}),
+        clock=WallClock(),
+        waits=waits,
+    ) as talk:
         talk.order("stop", "person")
         talk.until(lambda: talk.mode == "paused")
         talk.rig.publish("/there", data=False)

@@ -25,10 +25,15 @@ def script() -> ModuleType:
 def test_the_scripted_person_is_answered_in_three_ways_and_its_orders_are_carried_out(name: str) -> None:
     talk, lines = script(), list[str]()
     short = talk.sentences(
-        (0.4, "what are you doing?"), (0.8, "is the moon made of cheese?"), (1.4, "please make up a song"),
+        (0.4, "what are you doing?"),
+        (0.8, "is the moon made of cheese?"),
+        (1.4, "please make up a song"),
         (2.0, "stop"),
-        (2.4, "why did you stop?"), (2.8, "resume"), (3.2, "cancel the mission"), (3.6, "yes"),
-    )  # fmt: skip
+        (2.4, "why did you stop?"),
+        (2.8, "resume"),
+        (3.2, "cancel the mission"),
+        (3.6, "yes"),
+    )
     scene = talk.SCENES[name]._replace(sentences=short, speed=2.0)
     result = talk.play(scene, lines.append)
     shown = "\n".join(lines)

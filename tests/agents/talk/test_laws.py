@@ -94,9 +94,11 @@ def errand(seed: int, **words: Any) -> Talk:
     answers = [draw.choice(["again", "home", "again", "again"]) for _ in range(6)]
     replies = iter(answers)
     talk = Talk(
-        mission(ERRAND, blackboard=KEYS), arguments={}, **words,
+        mission(ERRAND, blackboard=KEYS),
+        arguments={},
+        **words,
         answerers={"agent": ReplyingAnswerer(lambda question: next(replies, "home")), "operator": HeldOpen()},
-    )  # fmt: skip
+    )
     plans = [
         Plan(accepts=0.1, ends=draw.choice([0.5, 1.2, None]), end=draw.choice(["succeeded", "failed"]))
         for _ in range(4)

@@ -99,8 +99,9 @@ def test_a_sentence_that_a_page_left_unfinished_keeps_its_role_and_is_dropped_wh
     say("4", "operator", is_last=True)
     assert conversation.came.wait(PATIENCE_S)
     assert [(words["author"], words["role"]) for _, words in conversation.sentences] == [
-        ("1", "viewer"), ("4", "operator"),
-    ]  # fmt: skip
+        ("1", "viewer"),
+        ("4", "operator"),
+    ]
 
 
 @needs_voice

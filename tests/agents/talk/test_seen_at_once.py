@@ -54,11 +54,16 @@ class Watched:
         run, at = self.rig.runner, 0.0
         for _ in range(rng.randint(4, 12)):
             at += rng.choice([0.1, 0.1, 0.2, 0.5])
-            do = rng.choice([
-                run.pause, run.resume, run.resume, partial(run.answer, rng.randint(1, 4), "again"),
-                partial(run.answer, rng.randint(1, 4), "home"),
-                *(partial(run.control, to) for to in ("operator", "agent", "agent", "autonomy", "nobody")),
-            ])  # fmt: skip
+            do = rng.choice(
+                [
+                    run.pause,
+                    run.resume,
+                    run.resume,
+                    partial(run.answer, rng.randint(1, 4), "again"),
+                    partial(run.answer, rng.randint(1, 4), "home"),
+                    *(partial(run.control, to) for to in ("operator", "agent", "agent", "autonomy", "nobody")),
+                ]
+            )
             self.rig.stage.play({at: do})
         self.rig.stage.play({at + 1.0: rng.choice([run.cancel, run.kill])})
         self.rig.stage.play({at + 2.0: run.kill})

@@ -50,9 +50,11 @@ def environment(tmp_path: Path) -> Iterator[dict[str, str]]:
     own = {name: value for name, value in os.environ.items() if not name.startswith(("ROS_", "RMW_", "FASTRTPS"))}
     with lock:
         yield own | {
-            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "ROS_DOMAIN_ID": str(domain), "ROS_LOG_DIR": str(tmp_path),
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+            "ROS_DOMAIN_ID": str(domain),
+            "ROS_LOG_DIR": str(tmp_path),
             "PYTHONPATH": str(ROOT),
-        }  # fmt: skip
+        }
 
 
 def broken(environment: Mapping[str, str], folder: Path, code: str) -> dict[str, str]:
@@ -214,9 +216,11 @@ def test_a_robot_behind_a_broker_is_known_by_what_it_publishes(tmp_path: Path) -
     broker = Broker(tmp_path)
     battery = {"topic": "/battery", "type": "std_msgs/msg/Float64"}
     profile = robot(
-        connector={"kind": "mqtt", "port": broker.port}, blackboard={"battery": battery},
-        services={"flash": {"service": "/flash"}}, topics={"lamp": {"topic": "/lamp", "type": "std_msgs/msg/Bool"}},
-    )  # fmt: skip
+        connector={"kind": "mqtt", "port": broker.port},
+        blackboard={"battery": battery},
+        services={"flash": {"service": "/flash"}},
+        topics={"lamp": {"topic": "/lamp", "type": "std_msgs/msg/Bool"}},
+    )
     (nothing,) = reach(profile, dict(os.environ), within_s=0.1)
     assert "nothing of the robot 'beacon' is there over mqtt" in nothing.what
     assert nothing.remedy == "start the robot or its simulation, and compare what the connector names of both"

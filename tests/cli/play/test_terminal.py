@@ -78,17 +78,39 @@ def test_what_is_piped_is_played_saved_and_written_as_a_test(
     door: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     typed(
-        monkeypatch, "?", "1", "start", "event knock", "u", "key visitor name=Ada known=true", "event knock", "t 5",
-        "m", "answer 1 no", "event knock", "n", "u 2", "event knock", "s p.journal", "answer 2 yes", "q",
-    )  # fmt: skip
+        monkeypatch,
+        "?",
+        "1",
+        "start",
+        "event knock",
+        "u",
+        "key visitor name=Ada known=true",
+        "event knock",
+        "t 5",
+        "m",
+        "answer 1 no",
+        "event knock",
+        "n",
+        "u 2",
+        "event knock",
+        "s p.journal",
+        "answer 2 yes",
+        "q",
+    )
     assert main(["try", "door.json", "--as-test", "test_door.py"]) == 0
     printed = capsys.readouterr()
     assert printed.err == ""
     for words in (
-        "You are the robot, and everyone else", "the mission waits for:", "event knock; someone knocks",
-        "the operator is asked: Open?, 15 s left", "    visitor: ", "shut → asking",
-        "the mission ended aborted: 'open' was reached", "saved p.journal", "wrote test_door.py",
-    ):  # fmt: skip
+        "You are the robot, and everyone else",
+        "the mission waits for:",
+        "event knock; someone knocks",
+        "the operator is asked: Open?, 15 s left",
+        "    visitor: ",
+        "shut → asking",
+        "the mission ended aborted: 'open' was reached",
+        "saved p.journal",
+        "wrote test_door.py",
+    ):
         assert words in printed.out, words
     monkeypatch.setattr("sys.stdin", io.StringIO())
     assert main(["replay", "p.journal"]) == 0

@@ -20,14 +20,23 @@ from rai_missions.image import Image
 
 audios = st.builds(
     lambda frames, rate, channels: Audio(frames * channels, rate, channels),
-    st.binary(max_size=40).map(lambda data: data[: len(data) // 2 * 2]), st.integers(4_000, 65_535), st.integers(1, 8),
-)  # fmt: skip
+    st.binary(max_size=40).map(lambda data: data[: len(data) // 2 * 2]),
+    st.integers(4_000, 65_535),
+    st.integers(1, 8),
+)
 texts = st.text(st.characters(exclude_characters="\0", exclude_categories=["Cs"]), max_size=60)
 pictures = st.integers(1, 3).map(lambda size: Image(f"picture of {size}", size, 1, "rgb8", bytes(3 * size)))
 messages = st.builds(
-    HRIMessage, texts, st.lists(pictures, max_size=3).map(tuple), st.lists(audios, max_size=3).map(tuple),
-    st.sampled_from(["human", "ai"]), texts, texts, st.integers(0, 99), st.booleans(),
-)  # fmt: skip
+    HRIMessage,
+    texts,
+    st.lists(pictures, max_size=3).map(tuple),
+    st.lists(audios, max_size=3).map(tuple),
+    st.sampled_from(["human", "ai"]),
+    texts,
+    texts,
+    st.integers(0, 99),
+    st.booleans(),
+)
 
 
 @given(messages)

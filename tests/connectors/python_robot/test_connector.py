@@ -77,8 +77,10 @@ def test_an_action_receives_its_goal_and_its_return_is_the_result(
     reports = pursued(reached, "drive", {"to": 3})
     assert end_of(reports).data == {"at": 3, "thread": False}
     assert [(each.status, dict(each.data)) for each in reports.all[:3]] == [
-        ("accepted", {}), ("feedback", {"left": 3}), ("feedback", {"value": 0.5}),
-    ]  # fmt: skip
+        ("accepted", {}),
+        ("feedback", {"left": 3}),
+        ("feedback", {"value": 0.5}),
+    ]
 
 
 def test_an_async_action_waits_on_an_event_loop_and_shares_it_with_others(
@@ -162,8 +164,9 @@ def test_an_exception_is_the_failure_of_an_action_with_its_last_line_and_place(
     line = function.__code__.co_firstlineno + 1
     name = "SystemExit" if function is leaves else "ValueError"
     assert (end.status, end.why) == (
-        "failed", f"{name}: no motor (test_connector.py, line {line}, in {function.__name__})"
-    )  # fmt: skip
+        "failed",
+        f"{name}: no motor (test_connector.py, line {line}, in {function.__name__})",
+    )
 
 
 def test_a_result_that_is_no_dict_is_a_failure_that_names_it(robot: PythonRobot, reached: PythonRobotConnector) -> None:
@@ -281,8 +284,9 @@ def test_a_service_returns_its_response_or_fails_with_what_it_raises(
     assert called(reached, "light")[:2] == ("succeeded", {})
     failed = called(reached, "arm")
     assert (failed.outcome, failed.why) == (
-        "failed", f"OSError: no bus (test_connector.py, line {arm.__code__.co_firstlineno + 2}, in arm)"
-    )  # fmt: skip
+        "failed",
+        f"OSError: no bus (test_connector.py, line {arm.__code__.co_firstlineno + 2}, in arm)",
+    )
     assert "service 'wrong' returned 3; its response is a dict or None" in called(reached, "wrong").why
     assert called(reached, "lamp").outcome == "unavailable"
 

@@ -33,9 +33,7 @@ tokens = itertools.count(1)
 
 def mission() -> Mission:
     """`left` and `right` pursue goals on the same action; `rest` pursues none."""
-    go = [
-        {"on": name, "to": name, "do": [{"set": "order", "from": "event.order"}]} for name in ("left", "right")
-    ]  # fmt: skip
+    go = [{"on": name, "to": name, "do": [{"set": "order", "from": "event.order"}]} for name in ("left", "right")]
     outcomes = ["succeeded", "failed", "rejected", "canceled", "timed_out"]
     pursuing = {
         "action": "move", "goal": {"order": {"from": "order"}}, "result": {"kept": "sequence"}, "cancel_s": 0.3,
@@ -43,14 +41,19 @@ def mission() -> Mission:
     }  # fmt: skip
     return Mission.model_validate(
         {
-            "format": 1, "name": "windows", "version": "1.0.0", "initial": "rest",
-            "blackboard": {"order": {"type": "integer", "source": "mission", "initial": 0},
-                           "kept": {"type": "list", "source": "mission", "optional": True}},
+            "format": 1,
+            "name": "windows",
+            "version": "1.0.0",
+            "initial": "rest",
+            "blackboard": {
+                "order": {"type": "integer", "source": "mission", "initial": 0},
+                "kept": {"type": "list", "source": "mission", "optional": True},
+            },
             "events": {name: {} for name in ("left", "right", "halt", "enough")},
             "states": {"rest": {}, "left": pursuing, "right": pursuing, "done": {"final": "canceled"}},
             "transitions": [*go, {"on": "halt", "to": "rest"}, {"on": "enough", "to": "done"}],
         }
-    )  # fmt: skip
+    )
 
 
 class ServerOnCall:
@@ -91,9 +94,12 @@ class Scene:
         self.steps = Inbox[Step](HOLDS_S)
         self.tokens: list[int] = []
         robot = Robot.model_validate(
-            {"name": "windows", "actions": {"move": {"action": f"/{server.name}/move", "type": FIBONACCI}},
-             "events": {name: {"posted": True} for name in ("left", "right", "halt", "enough")}}
-        )  # fmt: skip
+            {
+                "name": "windows",
+                "actions": {"move": {"action": f"/{server.name}/move", "type": FIBONACCI}},
+                "events": {name: {"posted": True} for name in ("left", "right", "halt", "enough")},
+            }
+        )
         self._clock = WallClock()
         self._runner = Runner(
             mission(), robot=robot, connector=connector, clock=self._clock, observer=RunObserver(self.steps)
@@ -153,10 +159,17 @@ class Scene:
         """Both logs, for the reader of a failure."""
         reported = self._logs()
         run = [
-            (round(step.at, 3), step.event.kind, step.event.name, step.event.number,
-             [(move.exited, move.entered) for move in step.moves], step.effects, step.notes)
+            (
+                round(step.at, 3),
+                step.event.kind,
+                step.event.name,
+                step.event.number,
+                [(move.exited, move.entered) for move in step.moves],
+                step.effects,
+                step.notes,
+            )
             for step in self.steps.all
-        ]  # fmt: skip
+        ]
         return f"\nserver: {reported}\nrun: " + "\n     ".join(map(str, run))
 
     def _has_reported(self, token: int, words: tuple[str, ...]) -> bool:

@@ -113,9 +113,14 @@ def serve(name: str) -> None:
         return Fibonacci.Result(sequence=[token])
 
     server = ActionServer(
-        node, Fibonacci, f"/{name}/move", execute, goal_callback=decide, cancel_callback=cancel,
+        node,
+        Fibonacci,
+        f"/{name}/move",
+        execute,
+        goal_callback=decide,
+        cancel_callback=cancel,
         callback_group=ReentrantCallbackGroup(),
-    )  # fmt: skip
+    )
     server._handle = StammeringHandle(server._handle)
     executor = MultiThreadedExecutor(8)
     executor.add_node(node)

@@ -42,8 +42,15 @@ def test_a_run_is_known_to_every_server_that_its_profile_names_before_it_asks_on
     thread.start()
     try:
         steps.wait(bool, "the run begins")
-        for name in ("trigger", "hum", "hush", "give_to/agent", "give_to/operator",
-                     "fibonacci/_action/send_goal", "fibonacci/_action/cancel_goal"):  # fmt: skip
+        for name in (
+            "trigger",
+            "hum",
+            "hush",
+            "give_to/agent",
+            "give_to/operator",
+            "fibonacci/_action/send_goal",
+            "fibonacci/_action/cancel_goal",
+        ):
             until_a_reply_is_awaited(other, f"{begin}/{name}")
         assert len(steps.all) == 1, "nothing was asked"
     finally:

@@ -38,8 +38,12 @@ def program(text: str) -> subprocess.CompletedProcess[str]:
     """A user's program, run to its end."""
     return subprocess.run(
         [sys.executable, "-W", "ignore", "-c", textwrap.dedent(text)],
-        capture_output=True, text=True, timeout=180, cwd=ROOT, check=False,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        timeout=180,
+        cwd=ROOT,
+        check=False,
+    )
 
 
 @pytest.mark.parametrize(

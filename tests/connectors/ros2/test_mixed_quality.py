@@ -69,8 +69,9 @@ def test_two_readers_deliver_each_message_once_and_reliable_in_order(
     results: list[int] = []
     mixed = MessageSorter(
         lambda delay_s, work: heapq.heappush(queue, (now[0] + delay_s, next(numbers), work)),
-        lambda message, _info: results.append(message), lambda: 1,
-    )  # fmt: skip
+        lambda message, _info: results.append(message),
+        lambda: 1,
+    )
     arrives = 0.0
     for number, (is_reliable, loose_s, delay_s) in enumerate(given_):
         info = {"source_timestamp": 1 + number, "publication_sequence_number": 7}

@@ -273,11 +273,14 @@ def test_a_run_names_what_may_still_be_executing(ours: Any, rig: Rig, plan: Plan
 SECONDS = st.sampled_from([0.0, 0.0, 0.3, 1.0])
 PLANS = st.builds(
     Plan,
-    accepts=st.sampled_from([0.0, 0.0, 0.3, 2.0, None]), rejects=st.sampled_from([False, False, True]),
-    ends=st.sampled_from([None, 0.1, 0.8, 2.0]), end=st.sampled_from(["succeeded", "failed"]),
-    cancels=st.sampled_from([0.0, 0.3, 2.0, None]), refuses=st.sampled_from([False, False, True]),
+    accepts=st.sampled_from([0.0, 0.0, 0.3, 2.0, None]),
+    rejects=st.sampled_from([False, False, True]),
+    ends=st.sampled_from([None, 0.1, 0.8, 2.0]),
+    end=st.sampled_from(["succeeded", "failed"]),
+    cancels=st.sampled_from([0.0, 0.3, 2.0, None]),
+    refuses=st.sampled_from([False, False, True]),
     dies=st.sampled_from([None, None, 0.2, 1.2]),
-)  # fmt: skip
+)
 quick = settings(
     max_examples=3, deadline=None, suppress_health_check=list(HealthCheck), phases=[Phase.explicit, Phase.generate]
 )

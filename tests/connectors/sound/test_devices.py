@@ -46,15 +46,27 @@ def null_sinks() -> Iterator[None]:
     socket = folder / "native"
     given = {"XDG_RUNTIME_DIR": str(folder), "HOME": str(folder), "PULSE_SERVER": f"unix:{socket}",
              "PULSE_SINK": "speaker", "PULSE_SOURCE": "microphone.monitor"}  # fmt: skip
-    sinks = [part for name in ("speaker", "microphone")
-             for part in ("-L", f"module-null-sink sink_name={name} rate=16000 channels=1")]  # fmt: skip
+    sinks = [
+        part
+        for name in ("speaker", "microphone")
+        for part in ("-L", f"module-null-sink sink_name={name} rate=16000 channels=1")
+    ]
     before = {name: os.environ.get(name) for name in given}
     os.environ.update(given)
     server = subprocess.Popen(
-        ["pulseaudio", "-n", "--daemonize=no", "--exit-idle-time=-1", "-L",
-         f"module-native-protocol-unix auth-anonymous=1 socket={socket}", *sinks],
-        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-    )  # fmt: skip
+        [
+            "pulseaudio",
+            "-n",
+            "--daemonize=no",
+            "--exit-idle-time=-1",
+            "-L",
+            f"module-native-protocol-unix auth-anonymous=1 socket={socket}",
+            *sinks,
+        ],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
     try:
         answered = wait_until(
             lambda: subprocess.run(["pactl", "info"], capture_output=True, check=False).returncode == 0

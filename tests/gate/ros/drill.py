@@ -80,8 +80,19 @@ class Record(NamedTuple):
 def parties(domain: int, seed: int, log: Path) -> Iterator[tuple[Party, dict[str, Party]]]:
     """The gate and the others, ready; they are ended in the end, whatever happens."""
     leases = [word for who, lease_s in LEASES.items() for word in ("--lease", f"{who}={lease_s}")]
-    gate = Party("-m", "rai_missions.cli.main", "gate", "--ros", "--domain", str(domain), "--log", str(log),
-                 "--memory", str(log) + ".memory", *leases)  # fmt: skip
+    gate = Party(
+        "-m",
+        "rai_missions.cli.main",
+        "gate",
+        "--ros",
+        "--domain",
+        str(domain),
+        "--log",
+        str(log),
+        "--memory",
+        str(log) + ".memory",
+        *leases,
+    )
     script = str(Path(__file__).with_name("party.py"))
     others = {each: Party(script, each, str(domain), str(seed + code)) for code, each in enumerate(("base", *HOLDERS))}
     try:

@@ -88,8 +88,10 @@ def begin(open_ros: Open, **state: Any) -> tuple[Runner, Callable[[], Result]]:
     clock, results = WallClock(), Inbox[Result](60.0)
     runner = Runner(
         Mission.model_validate({**MISSION, "states": states}),
-        robot=Robot.model_validate(ROBOT), connector=open_ros(now=clock.now, qos=LATCHED), clock=clock,
-    )  # fmt: skip
+        robot=Robot.model_validate(ROBOT),
+        connector=open_ros(now=clock.now, qos=LATCHED),
+        clock=clock,
+    )
     thread = threading.Thread(target=lambda: results(runner.run()))
     thread.start()
 

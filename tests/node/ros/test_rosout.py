@@ -27,7 +27,7 @@ LOGGING = Mission.model_validate({
 @pytest.mark.parametrize("durability", ["latched", "volatile"])
 def test_log_lines_are_published_with_their_level(
     domain: int, open_ros: Callable[..., Any], open_client: Callable[[str], Client], durability: str
-) -> None:  # fmt: skip
+) -> None:
     ours = open_ros(qos={"/rosout": {"durability": durability, "depth": 1000}})
     received: Inbox[Message] = Inbox(30.0)
     ours.subscribe("/rosout", "rcl_interfaces/msg/Log", received)

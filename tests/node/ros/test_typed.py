@@ -49,8 +49,10 @@ def test_a_goal_runs_the_mission(typed: Client, open_ros: Callable[..., Any]) ->
     fake_robot.arrive()
     end = end_of(reports)
     assert (end.status, end.data["outcome"], end.data["why"]) == (
-        "succeeded", "succeeded", "'done' was reached, and there is true",
-    )  # fmt: skip
+        "succeeded",
+        "succeeded",
+        "'done' was reached, and there is true",
+    )
     states = [report.data["state"] for report in reports.all if report.status == "feedback"]
     assert ["moving"] in states
 

@@ -14,11 +14,15 @@ from tests.planning.reading.stored import goal
 from tests.planning.scenes import scene, thing
 
 SEEN = scene(
-    thing("tray", 0.6, 0.3), thing("bin", 0.6, -0.3),
-    thing("red_cube", 0.4, 0.1, colour="red"), thing("blue_cube", 0.4, 0.2, colour="blue"),
-    thing("green_cube", 0.4, -0.1, colour="green"), thing("carrot", 0.4, 0.0),
-    thing("tomato", 0.58, 0.3, level=0.004), thing("apple", 0.64, 0.3, level=0.004),
-)  # fmt: skip
+    thing("tray", 0.6, 0.3),
+    thing("bin", 0.6, -0.3),
+    thing("red_cube", 0.4, 0.1, colour="red"),
+    thing("blue_cube", 0.4, 0.2, colour="blue"),
+    thing("green_cube", 0.4, -0.1, colour="green"),
+    thing("carrot", 0.4, 0.0),
+    thing("tomato", 0.58, 0.3, level=0.004),
+    thing("apple", 0.64, 0.3, level=0.004),
+)
 CUBES = ("red_cube", "blue_cube", "green_cube")
 ARRANGED = {
     "en": (
@@ -126,11 +130,15 @@ def test_an_empty_container_is_named(request_: str, text: str) -> None:
 
 
 STACKED = scene(
-    thing("tray", 0.6, 0.3), thing("bin", 0.6, -0.3),
-    thing("blue_cube", 0.4, 0.2, colour="blue"), thing("red_cube", 0.4, 0.2, colour="red", level=0.044),
-    thing("green_cube", 0.4, -0.1, colour="green"), thing("carrot", 0.4, 0.0),
-    thing("tomato", 0.58, 0.3, level=0.004), thing("apple", 0.64, 0.3, level=0.004),
-)  # fmt: skip
+    thing("tray", 0.6, 0.3),
+    thing("bin", 0.6, -0.3),
+    thing("blue_cube", 0.4, 0.2, colour="blue"),
+    thing("red_cube", 0.4, 0.2, colour="red", level=0.044),
+    thing("green_cube", 0.4, -0.1, colour="green"),
+    thing("carrot", 0.4, 0.0),
+    thing("tomato", 0.58, 0.3, level=0.004),
+    thing("apple", 0.64, 0.3, level=0.004),
+)
 ON_DESK = ({"on": ["tomato", "desk"]}, {"on": ["apple", "desk"]})
 
 
@@ -158,8 +166,9 @@ def test_what_lies_on_another_thing_comes_off_and_what_is_emptied_takes_new_thin
 
 def test_what_is_empty_is_refused_where_nothing_else_is_wanted() -> None:
     assert [reading_of(each, SEEN).reason for each in ("empty the bin into the tray", "unstack the cubes")] == [
-        "absent", "absent",
-    ]  # fmt: skip
+        "absent",
+        "absent",
+    ]
 
 
 def test_several_towers_are_offered_as_towers_of_as_many_things() -> None:

@@ -21,11 +21,14 @@ OFF_M = 0.03
 ROOM = thing("tray", 0.62, 0.0)
 Key = Callable[[Thing], float]
 ORDERS: Mapping[str, Key] = {
-    "leftmost": lambda each: -each.y, "rightmost": lambda each: each.y,
-    "furthest to the left": lambda each: -each.y, "closest to you": lambda each: math.hypot(each.x, each.y),
+    "leftmost": lambda each: -each.y,
+    "rightmost": lambda each: each.y,
+    "furthest to the left": lambda each: -each.y,
+    "closest to you": lambda each: math.hypot(each.x, each.y),
     "farthest from the robot": lambda each: -math.hypot(each.x, each.y),
-    "from the left": lambda each: -each.y, "from the right": lambda each: each.y,
-}  # fmt: skip
+    "from the left": lambda each: -each.y,
+    "from the right": lambda each: each.y,
+}
 BEFORE = ("leftmost", "rightmost")
 
 
@@ -95,9 +98,13 @@ def test_on_a_desk_in_a_mirror_left_is_right(desk: Scene) -> None:
 
 
 DESK = scene(
-    thing("red_cube", 0.4, 0.25), thing("blue_cube", 0.6, -0.05), thing("apple", 0.33, 0.14),
-    thing("carrot", 0.35, -0.2), thing("tray", 0.6, 0.3), thing("bin", 0.62, -0.3),
-)  # fmt: skip
+    thing("red_cube", 0.4, 0.25),
+    thing("blue_cube", 0.6, -0.05),
+    thing("apple", 0.33, 0.14),
+    thing("carrot", 0.35, -0.2),
+    thing("tray", 0.6, 0.3),
+    thing("bin", 0.62, -0.3),
+)
 
 
 @pytest.mark.parametrize(

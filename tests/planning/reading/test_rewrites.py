@@ -13,16 +13,23 @@ from rai_missions.planning.reading import is_said, reading_of
 from tests.planning.scenes import scene, thing
 
 FLAT = scene(
-    thing("tray", 0.6, 0.3), thing("bin", 0.6, -0.3), thing("red_cube", 0.4, 0.1, colour="red"),
-    thing("blue_cube", 0.4, 0.2, colour="blue"), thing("green_cube", 0.4, -0.1, colour="green"),
-    thing("apple", 0.3, 0.3), thing("carrot", 0.3, -0.3),
-)  # fmt: skip
+    thing("tray", 0.6, 0.3),
+    thing("bin", 0.6, -0.3),
+    thing("red_cube", 0.4, 0.1, colour="red"),
+    thing("blue_cube", 0.4, 0.2, colour="blue"),
+    thing("green_cube", 0.4, -0.1, colour="green"),
+    thing("apple", 0.3, 0.3),
+    thing("carrot", 0.3, -0.3),
+)
 SIDE_M = next(each.size[2] for each in FLAT.things if each.name == "red_cube")
 TOWER = scene(
-    thing("tray", 0.6, 0.3), thing("bin", 0.6, -0.3), thing("red_cube", 0.4, 0.1, colour="red"),
-    thing("blue_cube", 0.4, 0.1, colour="blue", level=SIDE_M), thing("green_cube", 0.4, -0.1, colour="green"),
+    thing("tray", 0.6, 0.3),
+    thing("bin", 0.6, -0.3),
+    thing("red_cube", 0.4, 0.1, colour="red"),
+    thing("blue_cube", 0.4, 0.1, colour="blue", level=SIDE_M),
+    thing("green_cube", 0.4, -0.1, colour="green"),
     thing("apple", 0.62, -0.3, level=0.01),
-)  # fmt: skip
+)
 SAME: Mapping[str, tuple[Scene, tuple[str, ...]]] = {
     "unstack the cubes": (TOWER, ("Take the whole tower apart.", "take the tower apart, please", "dismantle the tower",
                                   "Bau den Turm wieder ab.", "baue bitte den Turm ab")),

@@ -174,8 +174,9 @@ def test_a_thing_that_a_tower_or_a_row_has_twice_is_about_its_order(request_: st
 )  # fmt: skip
 def test_a_tower_whose_things_are_named_in_turn_is_read_from_below(request_: str) -> None:
     found = reading_of(request_, SEEN).goal
-    assert found == goal({"on": ["red_cube", "desk"]}, {"on": ["blue_cube", "red_cube"]},
-                         {"on": ["green_cube", "blue_cube"]})  # fmt: skip
+    assert found == goal(
+        {"on": ["red_cube", "desk"]}, {"on": ["blue_cube", "red_cube"]}, {"on": ["green_cube", "blue_cube"]}
+    )
 
 
 @pytest.mark.parametrize(
@@ -269,12 +270,17 @@ def test_things_that_follow_each_other_are_no_list_where_words_are_left(request_
 
 
 FILLED = scene(
-    placed("tray", 0.6, 0.3), placed("bin", 0.6, -0.3),
-    placed("red_cube", 0.4, 0.1, colour="red"), placed("yellow_cube", 0.4, 0.1, level=0.044, colour="yellow"),
-    placed("blue_cube", 0.6, 0.3, level=0.004, colour="blue"), placed("tomato", 0.62, 0.3, level=0.004),
-    placed("green_cube", 0.4, -0.1, colour="green"), placed("carrot", 0.4, 0.0),
-    placed("apple", 0.58, -0.3, level=0.004), placed("apple_2", 0.4, -0.3),
-)  # fmt: skip
+    placed("tray", 0.6, 0.3),
+    placed("bin", 0.6, -0.3),
+    placed("red_cube", 0.4, 0.1, colour="red"),
+    placed("yellow_cube", 0.4, 0.1, level=0.044, colour="yellow"),
+    placed("blue_cube", 0.6, 0.3, level=0.004, colour="blue"),
+    placed("tomato", 0.62, 0.3, level=0.004),
+    placed("green_cube", 0.4, -0.1, colour="green"),
+    placed("carrot", 0.4, 0.0),
+    placed("apple", 0.58, -0.3, level=0.004),
+    placed("apple_2", 0.4, -0.3),
+)
 
 
 @pytest.mark.parametrize(

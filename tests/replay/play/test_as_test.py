@@ -85,9 +85,13 @@ def test_a_written_test_is_run_by_pytest_and_fails_once_the_mission_has_changed(
     assert 'assert chart.outcome == "aborted"' in text
     assert max(map(len, text.splitlines())) <= 120
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(test)], cwd=tmp_path, capture_output=True,
-        text=True, check=False, env={**os.environ, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},
-    )  # fmt: skip
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(test)],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"},
+    )
     assert (done.returncode, "1 passed" in done.stdout) == (0, True), done.stdout
     document["states"]["assessing"]["transitions"] = [
         {**each, "to": "stopped"} if each["on"] == "abort" else each

@@ -118,8 +118,9 @@ def takes_each_choice(mission: Mission, seed: int) -> None:
                 continue
             steps = [
                 chart.start(each.at) if each.name == "start" else chart.send(each)
-                for each in inputs if isinstance(each, Event)
-            ]  # fmt: skip
+                for each in inputs
+                if isinstance(each, Event)
+            ]
             assert [step.refusal for step in steps] == [""] * len(steps), choice.name
             if choice.kind not in ("key", "stale", "time", "start") and not (choice.kind == "event" and choice.fields):
                 is_noted = not all(step.ignored for step in steps)
@@ -244,8 +245,10 @@ def names(play: Play) -> list[str]:
 
 def test_the_start_waits_for_the_arguments_without_which_a_run_is_refused() -> None:
     mission = errand()
-    there = {name: Key("string", source="argument", **more) for name, more in {
-        "where": {}, "whence": {"initial": "home"}, "whom": {"optional": True}}.items()}  # fmt: skip
+    there = {
+        name: Key("string", source="argument", **more)
+        for name, more in {"where": {}, "whence": {"initial": "home"}, "whom": {"optional": True}}.items()
+    }
     mission = mission.model_copy(update={"blackboard": {**mission.blackboard, **there}})
     play = Play(mission)
     play.do("readings")

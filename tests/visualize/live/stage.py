@@ -55,10 +55,17 @@ class Run:
         seq = chart.seq
         board = {key: (entry.value, entry.at) for key, entry in dict(chart.view.board).items()}
         return RunScene(
-            seq=seq, at=chart.at, mode=self.mode, control=chart.holder, active=set(chart.active), board=board,
-            outcome=chart.outcome or "", why=chart.why if chart.outcome else "", run=self.run_id,
+            seq=seq,
+            at=chart.at,
+            mode=self.mode,
+            control=chart.holder,
+            active=set(chart.active),
+            board=board,
+            outcome=chart.outcome or "",
+            why=chart.why if chart.outcome else "",
+            run=self.run_id,
             questions={each.number: each for each in chart.questions},
-        )  # fmt: skip
+        )
 
     def now(self) -> float:
         return self.chart.at

@@ -107,19 +107,23 @@ def watched(tmp_path: Path) -> Iterator[Callable[..., Watched]]:
 def test_every_act_is_an_event_in_the_journal_with_who_did_it(watched: Callable[..., Watched]) -> None:
     one = watched()
     for words in (
-        {"command": "pause", "by": "operator Anna (page)"}, {"command": "resume"},
-        {"command": "control", "to": "operator"}, {"command": "control", "to": "autonomy", "by": "Bert"},
-    ):  # fmt: skip
+        {"command": "pause", "by": "operator Anna (page)"},
+        {"command": "resume"},
+        {"command": "control", "to": "operator"},
+        {"command": "control", "to": "autonomy", "by": "Bert"},
+    ):
         assert one.order(**words) == (200, ""), words
     until(lambda: one.runner.view.holder == "autonomy", "control is handed back")
     assert one.order(command="e_stop", by="Anna\n\u202e<script>")[0] == 200
     assert one.end().outcome == "aborted"
     reported = one.journal_text()
     for line in (
-        "command pause by operator Anna (page)", "command resume by operator (page)",
-        "control operator by operator (page)", "control autonomy by operator Bert (page)",
+        "command pause by operator Anna (page)",
+        "command resume by operator (page)",
+        "control operator by operator (page)",
+        "control autonomy by operator Bert (page)",
         "command kill by operator Anna",
-    ):  # fmt: skip
+    ):
         assert line in reported, reported
 
 
@@ -127,11 +131,14 @@ def test_what_is_refused_reports_why_and_is_in_the_journal(watched: Callable[...
     one = watched()
     assert one.order(command="resume") == (409, "only a paused mission can be resumed; it is running")
     for words, why in (
-        ({"command": "start"}, "a page cannot 'start'"), ({"command": "post", "event": "go"}, "a page cannot 'post'"),
+        ({"command": "start"}, "a page cannot 'start'"),
+        ({"command": "post", "event": "go"}, "a page cannot 'post'"),
         ({"command": "control", "to": "king"}, "no one called 'king' can hold control"),
         ({"command": "answer", "question": 99, "option": "left"}, "question 99 is not open; open: none"),
-        ({"command": "fly"}, "is none"), ({"command": "answer", "question": "1"}, "question"), ({}, "command"),
-    ):  # fmt: skip
+        ({"command": "fly"}, "is none"),
+        ({"command": "answer", "question": "1"}, "question"),
+        ({}, "command"),
+    ):
         status, reported = one.order(**words)
         assert (status, why in reported) == (409, True), (words, reported)
     assert one.mode == "running"

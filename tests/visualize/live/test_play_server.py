@@ -62,9 +62,12 @@ def test_only_who_has_the_token_and_comes_from_the_page_sees_or_does_anything(se
 
 def test_an_order_that_is_none_is_refused_with_where_the_play_is(served: Any) -> None:
     for body, headers, status in (
-        (DO, {"Content_Type": "text/plain"}, 415), (b"[1]", JSON, 400), (b"{", JSON, 400),
-        (b" " * 70_000, JSON, 413), (json.dumps({"do": "wrong"}).encode(), JSON, 409),
-    ):  # fmt: skip
+        (DO, {"Content_Type": "text/plain"}, 415),
+        (b"[1]", JSON, 400),
+        (b"{", JSON, 400),
+        (b" " * 70_000, JSON, 413),
+        (json.dumps({"do": "wrong"}).encode(), JSON, 409),
+    ):
         found, _, reported = ask(served.page, "POST", "/play", body, **headers)
         assert (found, reported["revision"]) == (status, 0), reported
         assert reported["why_not"]

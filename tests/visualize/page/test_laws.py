@@ -228,8 +228,11 @@ def test_time_that_passes_may_lead_to_an_end() -> None:
 def test_how_the_time_of_a_decision_is_split_is_reported(asked: dict[str, Any], message: str) -> None:
     given = document()
     given["states"]["assessing"]["decision"] |= {"deadline_s": 20, **asked}
-    texts = [item["text"] for each in review_data(Mission.model_validate(given))["lenses"][0]["sections"]
-             for item in each["items"]]  # fmt: skip
+    texts = [
+        item["text"]
+        for each in review_data(Mission.model_validate(given))["lenses"][0]["sections"]
+        for item in each["items"]
+    ]
     assert any(message in text for text in texts if text.startswith("bounded"))
 
 

@@ -78,11 +78,16 @@ class Bench:
 
         self.seen = {
             name: {
-                "name": name, "type": one.kind, "x": measured(one.x, 7e-4), "y": measured(one.y, 7e-4),
-                "z": measured(one.z, 7e-4), "yaw": measured(one.yaw, 0.01), "size": list(one.size),
+                "name": name,
+                "type": one.kind,
+                "x": measured(one.x, 7e-4),
+                "y": measured(one.y, 7e-4),
+                "z": measured(one.z, 7e-4),
+                "yaw": measured(one.yaw, 0.01),
+                "size": list(one.size),
             }
             for name, one in self.truth().things.items()
-        }  # fmt: skip
+        }
         self.arm.see(list(self.seen.values()), self.at)
 
     def step(self) -> None:
@@ -128,9 +133,12 @@ def tower(*colours: str, x: float, y: float) -> list[dict[str, Any]]:
 
 def test_what_is_taken_is_held_after_the_lift_and_stands_where_it_was_to_be() -> None:
     bench = Bench(
-        cube("red", 0.5, 0.1, 0.3), thing("apple", 0.6, -0.15), thing("carrot", 0.45, 0.35, 1.0),
-        thing("corn", 0.65, 0.3, -0.5), thing("tomato", 0.36, -0.1),
-    )  # fmt: skip
+        cube("red", 0.5, 0.1, 0.3),
+        thing("apple", 0.6, -0.15),
+        thing("carrot", 0.45, 0.35, 1.0),
+        thing("corn", 0.65, 0.3, -0.5),
+        thing("tomato", 0.36, -0.1),
+    )
     goals = {
         "red_cube": (0.5, -0.35, 0.022), "apple": (0.45, -0.25, 0.032), "carrot": (0.42, 0.15, 0.02),
         "corn": (0.55, 0.0, 0.022), "tomato": (0.65, -0.3, 0.027),
@@ -161,10 +169,12 @@ def test_a_tower_of_six_is_passed_and_one_of_five_becomes_one_of_six() -> None:
 def test_a_cube_among_four_that_touch_is_pushed_free_and_taken(yaw: float) -> None:
     cos, sin, half = math.cos(yaw), math.sin(yaw), 0.0221
     corners = [(-half, -half), (half, -half), (-half, half), (half, half)]
-    bench = Bench(*(
-        cube(colour, 0.5 + cos * x - sin * y, sin * x + cos * y, yaw)
-        for colour, (x, y) in zip(COLOURS, corners, strict=False)
-    ))  # fmt: skip
+    bench = Bench(
+        *(
+            cube(colour, 0.5 + cos * x - sin * y, sin * x + cos * y, yaw)
+            for colour, (x, y) in zip(COLOURS, corners, strict=False)
+        )
+    )
     assert bench.pick("red_cube") == SkillEnd("succeeded")
     assert bench.truth().held == "red_cube"
 
@@ -190,9 +200,12 @@ def test_a_leaning_hand_takes_what_is_near_and_far() -> None:
 
 def test_what_cannot_be_taken_is_refused_with_the_reason_before_anything_is_touched() -> None:
     bench = Bench(
-        *tower("red", "green", x=0.5, y=0.0), cube("blue", 0.93, 0.2), thing("tray", 0.5, 0.35),
-        thing("bin", 0.5, -0.4), cube("yellow", 0.5, -0.4, floor=1),
-    )  # fmt: skip
+        *tower("red", "green", x=0.5, y=0.0),
+        cube("blue", 0.93, 0.2),
+        thing("tray", 0.5, 0.35),
+        thing("bin", 0.5, -0.4),
+        cube("yellow", 0.5, -0.4, floor=1),
+    )
     before = bench.truth().things
     assert bench.pick("red_cube") == SkillEnd("failed", "covered", "green_cube stands on red_cube")
     assert bench.pick("tray") == SkillEnd("failed", "too_wide", "tray is wider than the gripper opens")

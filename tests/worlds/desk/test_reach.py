@@ -29,8 +29,11 @@ POSES = st.builds(
     lambda radius, bearing, z, turn: ToolPose(
         radius * math.cos(bearing), radius * math.sin(bearing), z, bearing + turn
     ),
-    RADII, BEARINGS, HEIGHTS, QUARTERS,
-)  # fmt: skip
+    RADII,
+    BEARINGS,
+    HEIGHTS,
+    QUARTERS,
+)
 
 
 @given(POSES)

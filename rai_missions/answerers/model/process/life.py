@@ -57,9 +57,7 @@ class Life:
         isolated: As `open_model` has it.
     """
 
-    def __init__(
-        self, model: str, most_bytes: int, ended: Callable[[Life], None], *, isolated: bool = False
-    ) -> None:  # fmt: skip
+    def __init__(self, model: str, most_bytes: int, ended: Callable[[Life], None], *, isolated: bool = False) -> None:
         self._on_end = ended
         self._lock = threading.Lock()
         self._waiting: list[PendingCall] = []

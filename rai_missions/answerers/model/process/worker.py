@@ -89,9 +89,13 @@ def _opened(order: Mapping[str, Any], outlet: Outlet) -> tuple[Any, list[Redacti
 
 
 def _answer(
-    model: Any, message: Mapping[str, Any], blobs: Sequence[bytes], talks: dict[int, tuple[Any, Open]], is_open: Open,
+    model: Any,
+    message: Mapping[str, Any],
+    blobs: Sequence[bytes],
+    talks: dict[int, tuple[Any, Open]],
+    is_open: Open,
     outlet: Outlet,
-) -> None:  # fmt: skip
+) -> None:
     """Put one question, or what was looked up for it, to the model."""
     from rai_missions.answerers.model.chat import ThreadConversation
     from rai_missions.answerers.model.output_modes import AnswerForm
