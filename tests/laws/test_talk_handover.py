@@ -259,10 +259,10 @@ def resumes_anywhere(path: Path, talked: Held) -> None:
 
 def is_spoken(given: Given, lines: list[TalkLine]) -> bool:
     """Whether the person was informed of an order's refusal; that of a stop is spoken with it."""
-    refused, kind = given.ends[0]
-    text: str = language("en").data["texts"][f"refused_{kind}"] if kind else refused
+    end = given.ends[0]
+    text: str = language("en").data["texts"][f"refused_{end.kind}"] if end.kind else end.refused
     why = text.partition("{")[0].rstrip(". ").lower()
-    return not refused or given.order.name == "stop" or any(why[:100] in line.text.lower() for line in lines)
+    return not end.refused or given.order.name == "stop" or any(why[:100] in line.text.lower() for line in lines)
 
 
 @sooner_ended()

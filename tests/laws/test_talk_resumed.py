@@ -16,6 +16,7 @@ import pytest
 from rai_missions.agents.conversation import ConversationalAgent
 from rai_missions.agents.talk.doors import TalkLine, TextDoor
 from rai_missions.agents.talk.orders import CLOSED
+from rai_missions.conversation.language import language
 from rai_missions.engine.step import Step
 from rai_missions.event import Event
 from rai_missions.journal import Journal, opened
@@ -121,7 +122,9 @@ def keeps_answer(step: Step) -> bool:
 
 
 def is_why(why: str, text: str) -> bool:
-    """Whether a report gives this reason."""
+    """Whether a report gives this reason; one that each language has a text for is in the report's."""
+    if why.startswith("stale:"):
+        return language("en").data["texts"]["refused_stale"] in text
     return any(each in text for each in (CLOSED, OVER)) if why == UNJUDGED else why.rstrip(".")[:100] in text
 
 
