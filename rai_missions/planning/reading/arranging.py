@@ -36,7 +36,7 @@ NEEDED: Mapping[tuple[str, str], frozenset[str]] = {
     ("left_to_right", "left"): frozenset({"left_of"}),
     ("left_to_right", "right"): frozenset({"left_of"}),
     ("put", "line"): ROW | {"left_of"},
-    ("each_other", "row"): ROW,
+    ("each_other", "row"): ROW | {"left_of"},
     ("put", "arrange"): ANY,
 }
 """Kind and value of a word → the predicates of which the goal has one; to lie on the desk is none of them."""

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations, pairwise, product
-from typing import Any
 
 from rai_missions.planning.reading.meanings import Meanings
 from rai_missions.planning.reading.phrases import Clause, Phrase, Unread
 from rai_missions.planning.reading.picks import Picks
+from rai_missions.planning.reading.predicates import Plain, each_of, moved_by
 from rai_missions.planning.reading.rows import row
 from rai_missions.planning.reading.things import Names, Things
 from rai_missions.planning.scene import DESK
@@ -21,7 +21,6 @@ from rai_missions.planning.text.language_file import spoken
 
 __all__ = ("GoalWriter",)
 
-Plain = dict[str, Any]
 STACKED = Phrase("things", "", types=frozenset({"cube"}), has_noun=True, is_many=True)
 """What a tower is made of where nothing is said about it."""
 WHOLE = frozenset({0, None, -1})
@@ -71,8 +70,8 @@ class GoalWriter:
             self._meant.begin(clause, found)
             self._check_held(clause)
             wanted = list(self._of(clause))
-            put = {name for each in wanted if each.keys() & PLACED for name in _moved(each)}
-            found = [each for each in found if each not in self._until_put or put.isdisjoint(_moved(each))] + wanted
+            put = {name for each in wanted if each.keys() & PLACED for name in moved_by(each)}
+            found = [each for each in found if each not in self._until_put or put.isdisjoint(moved_by(each))] + wanted
             self._until_put += wanted if clause.kind == "off" else []
             self._latest = wanted
         if self._is_held:
@@ -88,12 +87,12 @@ class GoalWriter:
         """A thing that is swapped or shifted, and moved otherwise, too: where it comes to depends on which is first."""
         for at, each in enumerate(found):
             others = [*found[:at], *found[at + 1 :]]
-            elsewhere = {name for other in others for name in _moved(other)}
+            elsewhere = {name for other in others for name in moved_by(other)}
             if moved := [name for name in each.get("swapped", ()) if name in elsewhere]:
                 text = self._things.lexicon.text("swapped_and_moved", self._things.listed(tuple(moved[:1])))
                 raise Unread("order", text)
             placed = (other for other in others if other.keys() & PLACED)
-            if "shifted" in each and any(each["shifted"] in _moved(other) for other in placed):
+            if "shifted" in each and any(each["shifted"] in moved_by(other) for other in placed):
                 text = self._things.lexicon.text("shifted_and_moved", self._things.listed((each["shifted"],)))
                 raise Unread("order", text)
 
@@ -139,10 +138,10 @@ class GoalWriter:
             return self._one_on_the_other(clause)
         names, target = self._meant.pair(clause)
         if self._things.scene.get(target) is not None and self._things.scene.thing(target).type == "tray":
-            return _each("in", names, target)
+            return each_of("in", names, target)
         if target != DESK:
             self._check_alone(names, "order")
-        return _each("on", names, target)
+        return each_of("on", names, target)
 
     def _under(self, clause: Clause) -> Iterator[Plain]:
         names, target = self._meant.pair(clause)
@@ -160,7 +159,7 @@ class GoalWriter:
         return [{"on": both[::-1]}]
 
     def _in(self, clause: Clause) -> Iterable[Plain]:
-        return _each("in", *self._meant.pair(clause))
+        return each_of("in", *self._meant.pair(clause))
 
     def _to(self, clause: Clause) -> Iterable[Plain]:
         return self._put(*self._meant.pair(clause))
@@ -169,7 +168,7 @@ class GoalWriter:
         """Onto the desk, or into a container."""
         if target != DESK and not self._things.is_container(target):
             raise self._things.ask("where", self._things.listed(names))
-        return _each("on" if target == DESK else "in", names, target)
+        return each_of("on" if target == DESK else "in", names, target)
 
     def _off(self, clause: Clause) -> Iterable[Plain]:
         """`everything out of the bin`: of several things those that lie there are meant; they come onto the desk."""
@@ -184,7 +183,7 @@ class GoalWriter:
             for name in self._picks.one(self._there(phrase, self._meant.alternatives(phrase), place))
         ]
         self._meant.note(subjects=tuple(dict.fromkeys(names)))
-        return _each("on", self._meant.subjects, DESK)
+        return each_of("on", self._meant.subjects, DESK)
 
     def _is_empty(self, place: str) -> bool:
         """Whether it is a container in which nothing is seen."""
@@ -216,12 +215,18 @@ class GoalWriter:
         if not lying:
             raise Unread("absent", self._things.lexicon.text("none_stacked", self._things.listed(names)), refused=True)
         self._meant.note(subjects=tuple(lying))
-        return _each("on", self._meant.subjects, DESK)
+        return each_of("on", self._meant.subjects, DESK)
 
     def _lies_on(self, name: str, other: str) -> bool:
         return not self._things.is_container(other) and self._things.lies_at(name, other)
 
     def _beyond(self, clause: Clause) -> Iterator[Plain]:
+        if clause.ends:
+            left, right = self._meant.names(clause.subjects), self._meant.names(clause.ends)
+            yield from (
+                {"left_of": list(pair)} for pair in product([each for each in left if each not in right], right)
+            )
+            return
         names, target = self._meant.pair(clause)
         if clause.gap_m is not None:
             self._check_alone(names, "order")
@@ -307,7 +312,7 @@ class GoalWriter:
         """Several towers of as many things each; which are in which is for the person to choose."""
         names = self._in_turn(_stackable(clause.subjects) or (STACKED,))
         height, left = divmod(len(names), clause.count)
-        if left or height < LEAST_TOWER:
+        if left or height < LEAST_TOWER or clause.height not in (0, height):
             raise self._things.ask("order")
         for at in range(0, len(names), height):
             yield {"on": [names[at], DESK]}
@@ -380,7 +385,12 @@ class GoalWriter:
         yield {"next_to": list(names)} if len(names) == 2 else {"grouped": list(names)}
 
     def _row(self, clause: Clause) -> Iterator[Plain]:
-        yield from row([self._things.scene.thing(name) for name in self._in_turn(clause.subjects)])
+        placed = [(self._meant.one(phrase), level) for phrase, level in clause.levels]
+        names = self._in_turn(clause.subjects)
+        ends = {level: name for name, level in placed if name in names}
+        if len({*ends.values()}) < len(clause.levels):
+            raise self._things.ask("order")
+        yield from row([self._things.scene.thing(name) for name in names], first=ends.get(0), last=ends.get(-1))
 
     def _in_order(self, clause: Clause) -> Iterator[Plain]:
         each = [self._meant.names([phrase]) for phrase in clause.subjects]
@@ -421,15 +431,10 @@ class GoalWriter:
             self._check_alone(names, "order")
             if len(top := self._meant.tower_top) != 1:
                 raise self._things.ask("where", self._things.listed(names))
-            return _each("on", names, top[0])  # `red on blue, and green on it`
+            return each_of("on", names, top[0])  # `red on blue, and green on it`
         if not (kind in PUT or is_emptied) or len(target) != 1:
             raise self._things.ask("where", self._things.listed(names))
         return self._put(names, target[0])
-
-
-def _each(word: str, names: Names, target: str) -> list[Plain]:
-    """A relation of each of these to another thing."""
-    return [{word: [name, target]} for name in names]
 
 
 def _stackable(phrases: Sequence[Phrase]) -> tuple[Phrase, ...]:
@@ -440,11 +445,3 @@ def _stackable(phrases: Sequence[Phrase]) -> tuple[Phrase, ...]:
         else each
         for each in phrases
     )
-
-
-def _moved(predicate: Plain) -> tuple[str, ...]:
-    """The things that a predicate brings somewhere."""
-    if alone := predicate.keys() & {"at", "shifted"}:
-        return (predicate[alone.pop()],)
-    names = next(each for each in predicate.values() if isinstance(each, list))
-    return tuple(names[:1] if predicate.keys() & {"on", "in", "left_of", "behind", "between"} else names)

@@ -21,6 +21,7 @@ from rai_missions.planning.reading.noun_phrases import (
 )
 from rai_missions.planning.reading.phrases import Clause, ClauseKind, Phrase, Unread
 from rai_missions.planning.reading.places import gap, has_place, place, shift
+from rai_missions.planning.reading.row_words import ordered_row, row_of, sides_of
 from rai_missions.planning.reading.symbols import SUBJECTS, Symbol
 from rai_missions.planning.reading.towers import is_tower, levels_of, skip_several, tower
 from rai_missions.planning.scene import CONTAINERS
@@ -215,7 +216,7 @@ class Rules:
         cursor.skip("put")
         if subjects[-1].kind == "there" or any(each.kind == "desk" for each in subjects):
             raise self.unread()
-        short = (self._contents, self._listed_in, self._stays, self._by_word)
+        short = (sides_of, self._contents, self._listed_in, self._stays, self._by_word)
         if cursor.kind() == ":" and cursor.kind(1) in ("axis", "(", "each_other", "swap", "relation"):
             cursor.take()
         if found := next(filter(None, (rule(subjects) for rule in short)), None):
@@ -236,8 +237,8 @@ class Rules:
             cursor.take()  # `lass ihn, wo er ist`
         if cursor.kind() in ("relation", "number", "gap"):
             return self._related(subjects)
-        if cursor.kind() in ("", *BETWEEN) and (is_held or self._is_after("line")):
-            return [Clause("held" if is_held else "row", subjects)]  # `line up the cubes`
+        if cursor.kind() in ("", ":", *BETWEEN) and (is_held or self._is_after("line")):
+            return [Clause("held", subjects) if is_held else row_of(cursor, subjects)]  # `line up the cubes`
         raise self.unread()
 
     def _shift(self) -> tuple[float, float] | None:
@@ -343,8 +344,8 @@ class Rules:
         if word.value == "unstack":
             return Clause("unstack", subjects)
         if word.kind == "each_other":
-            is_row = word.value == "next_to" and self._is_after("line")
-            return Clause("row" if is_row else MUTUAL[word.value], subjects, base)
+            is_row = word.value == "row" or (word.value == "next_to" and self._is_after("line"))
+            return row_of(self.cursor, subjects) if is_row else Clause(MUTUAL[word.value], subjects, base)
         return Clause("swap" if word.kind == "swap" else "too", subjects)
 
     def _base(self, word: str) -> Phrase | None:
@@ -475,10 +476,10 @@ class Rules:
 
     def _each_other(self) -> list[Clause]:
         kind = MUTUAL[self.cursor.take().value]
-        if self.cursor.kind() in ("", ".", "then") and self._before is not None:
-            return [Clause(kind, THOSE, is_open=True)]
-        self.cursor.skip(",", "put", ":")
-        return [Clause(kind, self._things())]
+        ordered = ordered_row(self.cursor, ()) if kind == "row" else None
+        is_alone = self.cursor.kind() in ("", ".", "then") and self._before is not None
+        self.cursor.skip(*([] if is_alone else [",", "put", ":"]))
+        return [ordered or Clause(kind, THOSE if is_alone else self._things(), is_open=is_alone)]
 
     def _gap_first(self) -> list[Clause]:
         self._gap = gap(self.cursor, self.lexicon)

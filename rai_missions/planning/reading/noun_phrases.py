@@ -151,10 +151,12 @@ def _single(cursor: Cursor) -> Phrase | None:
         return with_limits(cursor, Phrase("everything", cursor.take().text, is_many=True, is_all=True))
     if kind == "there":
         return Phrase("there", cursor.take().text)
-    if kind == "the" and cursor.value() != "the" and cursor.kind(1) in PREDICATES:  # `leg das in den Eimer`
+    if (
+        kind == "the" and cursor.value() not in ("the", "own") and cursor.kind(1) in PREDICATES
+    ):  # `leg das in den Eimer`
         symbol = cursor.take()
         return Phrase("pronoun", symbol.text, is_many=symbol.value == "many")
-    if kind == "pronoun" and cursor.kind(1) not in ("noun", "colour", "generic"):
+    if kind == "pronoun" and cursor.kind(1) not in ("noun", "colour", "generic", "epithet"):
         symbol = cursor.take()
         return Phrase("pronoun", symbol.text, is_many=symbol.value == "many")
     return _things(cursor)
@@ -194,6 +196,7 @@ def _things(cursor: Cursor) -> Phrase | None:
         is_free="any" in kinds,
         count=next((count for each in reversed(words) if (count := _count(each)) is not None), None),
         is_other="other" in kinds,
+        epithet=next((each.text for each in words if each.kind == "epithet"), ""),
         rank=replace(ranks[0], place=place) if ranks else None,
     )
     return with_limits(cursor, phrase)
@@ -287,7 +290,7 @@ def _limits(cursor: Cursor, kind: str) -> list[Symbol]:
 
 DISTANCES = ("near", "far")
 """Ranks that are measured from another thing."""
-BEFORE_NOUN = ("the", "a", "any", "all", "other", "number", "pronoun", *RANKING)
+BEFORE_NOUN = ("the", "a", "any", "all", "other", "number", "pronoun", "epithet", *RANKING)
 NOUNS = ("noun", "colour", "generic", "other", "any", *RANKING)
 
 

@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is read of a request that is not read as a whole: without the words that are not known, or some of its parts.
 
-Rule: it is offered for a person to confirm; a part that is left out changes nothing of the others.
+Rule: it is offered for a person to confirm, and lacks no thing and no place that the request names.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 
 from rai_missions.planning.goal import Goal
 from rai_missions.planning.reading.lexicon import Vocabulary
-from rai_missions.planning.reading.symbols import Symbol
+from rai_missions.planning.reading.symbols import Symbol, past
 
 __all__ = ("goals_of_rest", "is_offered")
 
@@ -21,6 +22,10 @@ OFFERED = frozenset({"unknown_word", "negated", "unread"})
 """Reasons to ask back after which an offer is made."""
 NEVER = frozenset({"asked", "forbidden"})
 """Kinds of symbols with which no part of a request is offered."""
+ASKING = frozenset({
+    "noun", "colour", "relation", "each_other", "level", "rank", "everything", "rest", "stack", "left_to_right",
+})  # fmt: skip
+"""Kinds of symbols without which an offer would lack something of the request."""
 DIVIDING = (",", ".", "and", "then", ":")
 
 Part = tuple[Symbol, ...]
@@ -47,20 +52,48 @@ def goals_of_rest(
         words: Of its language.
         goals_of: The goals that symbols may mean; none where they are not read.
     """
-    for way in _ways(tuple(found), words):
+    for way in _complete(tuple(found), words):
         if goals := goals_of(way):
             return goals
     kept, waiting = Part(), Part()
     goals = tuple[Goal, ...]()
     for part in _parts(found):
-        ways = (part, *_ways(part, words))
-        for way in (*((*waiting, *each) for each in ways if waiting), *ways):
+        ways = [part, *_complete(part, words)]
+        joined = [(*waiting, *each) for each in ways] if waiting else []
+        for at, way in enumerate((*joined, *ways)):
             if read := goals_of((*kept, *way)):
+                if at >= len(joined) and _lacks(waiting, ()):
+                    return ()
                 kept, waiting, goals = (*kept, *way), Part(), read
                 break
         else:
             waiting = (*waiting, *part)
-    return goals
+    return () if _lacks(waiting, ()) else goals
+
+
+def _complete(part: Part, words: Vocabulary) -> Iterator[Part]:
+    """The ways to read a part of which none lacks a thing or a place."""
+    yield from (way for way in _ways(part, words) if not _lacks(part, way))
+
+
+def _lacks(part: Part, way: Part) -> bool:
+    """Whether words about things and places are left out of a part; what is negated may be left out."""
+    if any(symbol.kind == "no" for symbol in part):
+        return False
+    asked, kept = (Counter(each.kind for each in every if each.kind in ASKING) for every in (part, way))
+    left_out = any(each.kind == "unknown" for each in part) and not any(each.kind == "unknown" for each in way)
+    return bool(asked - kept) or (left_out and any(_may_ask(part, at) for at in range(len(part))))
+
+
+def _may_ask(part: Part, at: int) -> bool:
+    """Whether an unknown word may be a thing, `a quux on the tray`, or what is to be done: `quux the apple`."""
+    if part[at].kind != "unknown":
+        return False
+    before, after = part[at - 1].kind if at else ",", part[at + 1].kind if at + 1 < len(part) else ","
+    clause = part[at : past(part, at, {each.kind for each in part} - {*DIVIDING})]
+    is_thing = before in ("the", "a", "all") and after in (*DIVIDING, "relation")
+    is_verb = before in DIVIDING and after in ("the", "a", "all", "noun", "colour")
+    return is_thing or (is_verb and not any(each.kind in ("relation", "each_other", "there") for each in clause))
 
 
 def _ways(part: Part, words: Vocabulary) -> Iterator[Part]:

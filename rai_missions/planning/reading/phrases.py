@@ -95,6 +95,8 @@ class Phrase:
     """Whether `one` or `ones` stands for a noun: `the red ones`."""
     count: int | None = None
     is_other: bool = False
+    epithet: str = ""
+    """A word before the noun that no list has: it may be about the only thing there is, and chooses none of several."""
     rank: Rank | None = None
     others: tuple[Phrase, ...] = ()
     """Other things that may be meant in its place: `the red or the blue cube`."""
@@ -120,6 +122,8 @@ class Clause:
     """Of a tower: things of a level, counted from below, negative from above; None: in the middle."""
     count: int = 1
     """How many towers there are to be."""
+    height: int = 0
+    """Of how many things each of these is; 0: of as many as there are."""
     by: str = ""
     """What groups are made by: `colour` or `type`."""
     is_open: bool = False

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from rai_missions.planning.reading.rows import ROW
-from rai_missions.planning.reading.symbols import Symbol
+from rai_missions.planning.reading.symbols import RANKS, Symbol
 from rai_missions.planning.scene import CONTAINERS
 
 __all__ = ("relations_in",)
@@ -60,7 +60,7 @@ VALUES: Mapping[str, frozenset[str]] = {
     "stack": frozenset({"on"}),
     "group": frozenset({"grouped"}),
     "unstack": frozenset({"on"}),
-    "row": ROW,
+    "row": ROW | {"left_of"},
     "line": ROW,
 }
 """Values of `relation`, `each_other` and `put` → the predicates that they may mean; on a tray is in it."""
@@ -72,7 +72,7 @@ def relations_in(found: Iterable[Symbol]) -> frozenset[str]:
     Args:
         found: The symbols of the text.
     """
-    meant, before = frozenset[str](), ","
+    meant, before, sides = frozenset[str](), ",", set[str]()
     for symbol in found:
         is_first, before = before in (",", ".", ":", "and", "then"), symbol.kind
         if is_first and symbol.kind == "noun" and symbol.value.types <= CONTAINERS:
@@ -80,6 +80,7 @@ def relations_in(found: Iterable[Symbol]) -> frozenset[str]:
         if symbol.kind == "no":
             return frozenset()
         meant |= KINDS.get(symbol.kind, frozenset())
+        sides |= {symbol.value} if symbol.kind in RANKS else set()
         if symbol.kind in ("relation", "each_other", "put"):
             meant |= VALUES.get(symbol.value, frozenset())
-    return meant
+    return meant | {"left_of"} if {"left", "right"} <= sides else meant

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from rai_missions.planning.reading.asides import without_asides
 from rai_missions.planning.reading.lexicon import Vocabulary
 from rai_missions.planning.reading.symbols import ENDS, NAMING, Symbol, past, symbols
 from rai_missions.planning.scene import CONTAINERS
@@ -18,7 +19,7 @@ __all__ = ("rewritten",)
 
 def rewritten(request: str, lexicon: Vocabulary) -> list[Symbol]:
     """The symbols of a request with each form rewritten."""
-    found, data = symbols(request, lexicon), lexicon.data
+    found, data = without_asides(symbols(request, lexicon), lexicon), lexicon.data
     for each in data["separated"]:
         found = _joined(found, each)
     found = [symbol for at, symbol in enumerate(found) if not _is_particle(found, at, data)]

@@ -44,7 +44,9 @@ RANKS = ("rank", "compared")
 """Kinds of symbols that name an order before a noun."""
 RANKING = (*RANKS, "ordinal")
 """The same with a place in it."""
-NAMING = SUBJECTS | {"the", "a", "any", "other", "number", *RANKING}
+NEXT_SIDE = {"left": "left_of", "right": "right_of"}
+"""Sides of a thing → where another one is then."""
+NAMING = SUBJECTS | {"the", "a", "any", "other", "number", "epithet", *RANKING}
 """Kinds of symbols of which such a phrase consists."""
 
 
@@ -74,9 +76,18 @@ def words_of(request: str, lexicon: Vocabulary) -> list[str]:
     contractions = lexicon.data["contractions"]
     for token in TOKENS["." if lexicon.data["decimal"] == "." else ".,"].findall(text):
         written: str = contractions.get(token, token)
-        for each in written.split():
+        for each in _with_owner(written, lexicon).split():
             found += lexicon.parts(each) if each[0].isalpha() else [each]
     return found
+
+
+def _with_owner(word: str, lexicon: Vocabulary) -> str:
+    """`Cube's` as two words, where it is a known one with an ending that names an owner."""
+    for ending in lexicon.data["owner_endings"]:
+        owner = word.removesuffix(ending)
+        if owner != word and owner in lexicon.words:
+            return f"{owner} {ending}"
+    return word
 
 
 def symbols(request: str, lexicon: Vocabulary) -> list[Symbol]:
@@ -89,6 +100,7 @@ def symbols(request: str, lexicon: Vocabulary) -> list[Symbol]:
         at += count
     found = list(_measured(_off_desk(_unbracketed(_unnumbered(found))), lexicon.data["measured"]))
     found = list(_asking(found, lexicon.data))
+    found = _owned(found)
     found = _compared(_without_noise(_with_other_wishes(found)))
     return _without_contrast(_clearing(found), lexicon.data["contrast"])
 
@@ -182,17 +194,46 @@ def _compared(found: list[Symbol]) -> list[Symbol]:
     kept = list[Symbol]()
     for at, symbol in enumerate(found):
         before, after = found[at - 1].kind if at else "", found[at + 1].kind if at + 1 < len(found) else ""
-        if symbol.kind != "side" or before != "the" or symbol.value not in ("left", "right"):
+        is_side = symbol.kind == "side" and symbol.value in NEXT_SIDE
+        if is_side and before in ("noun", "colour", "generic") and after in ("", *ENDS):
+            kept.append(symbol._replace(kind="compared"))  # `the cubes to the left, the fruit to the right`
+        elif not is_side or before != "the":
             kept.append(symbol)
         elif after in ("noun", "colour", "generic"):
             kept.append(symbol._replace(kind="compared"))
-        elif [each.kind for each in kept[-3:]] in (["noun", "relation", "the"], ["generic", "relation", "the"]):
+        elif [each.kind for each in kept[-3:]] in [[kind, "relation", "the"] for kind in ("noun", "generic", "colour")]:
             text = " ".join(each.text for each in (*kept[-2:], symbol))
             is_on = kept[-2].value == "on"
             kept[-2:] = [] if is_on else kept[-2:]
             kept.append(Symbol("compared", symbol.value, text) if is_on else symbol)
         else:
             kept.append(symbol)
+    return kept
+
+
+def _owned(found: Sequence[Symbol]) -> list[Symbol]:
+    """With a side of a thing as a relation to it: `on the cube's right`; `5 cm to its left` is a shift."""
+    kept = list[Symbol]()
+    for symbol in found:
+        before = kept[-1] if kept else None
+        if symbol.kind != "side" or symbol.value not in NEXT_SIDE or before is None or before.kind == "number":
+            kept.append(symbol)
+            continue
+        placed = Symbol("relation", NEXT_SIDE[symbol.value], symbol.text)
+        begun = len(kept) - 1
+        if before.kind == "owner":
+            while begun and kept[begun - 1].kind in NAMING:
+                begun -= 1
+            owner = kept[begun:-1]
+        elif (before.kind, before.value) == ("the", "own"):
+            owner = [Symbol("pronoun", "one", before.text)]
+        else:
+            kept.append(symbol)
+            continue
+        if begun and kept[begun - 1].kind == "relation" and kept[begun - 1].value in ("on", "to", "next_to"):
+            begun -= 1
+        is_shift = begun > 0 and kept[begun - 1].kind == "number" and before.kind == "the"
+        kept[begun:] = [symbol] if is_shift else [placed, *owner]
     return kept
 
 

@@ -88,6 +88,8 @@ class Things:
                 raise Unread("ambiguous", self._which(phrase, [self.scene.thing(name) for name in found]))
             return (found,)
         matching, perhaps = self._matching(phrase)
+        if phrase.epithet and len(matching) + len(perhaps) > 1:
+            raise Unread("unknown_word", self.lexicon.text("unknown_word", phrase.epithet))
         if phrase.is_other:
             matching = [each for each in matching if each.name not in self._named | taken]
         if not matching:

@@ -42,6 +42,7 @@ def tower(
         Unread: It is not read for sure.
     """
     count = _skip_head(cursor)
+    height = _height(cursor) if count > 1 else 0
     cursor.skip("with", ":", ",", "put")
     if cursor.kind() == "part":
         return _several(cursor, unread)
@@ -49,7 +50,7 @@ def tower(
         return [_upward(cursor, unread)]
     first = first or _in_turn(cursor) or noun_phrases(cursor)
     if count > 1 and cursor.kind() in ENDS:
-        return [Clause("towers", first, count=count)]
+        return _towers(first, count, height)
     if count != 1:
         raise Unread("order", lexicon.text("order"))  # `towers`: of what is each?
     if first and (ordered := _ordered(first, cursor)):
@@ -67,10 +68,32 @@ def tower(
     return [Clause("stack", members, levels=levels)]
 
 
+def _height(cursor: Cursor) -> int:
+    """Past `of two`, `of three cubes each`: how many things each tower has; 0 where that is open."""
+    begun = cursor.at
+    if cursor.skip("with") and cursor.kind() == "number" and cursor.value().unit is None:
+        height = int(cursor.take().value.value)
+        is_noun = cursor.kind() == "noun" and cursor.value().is_many is not False
+        cursor.skip(*(["noun", "all"] if is_noun else ["all"]))
+        if cursor.kind() in (*ENDS, ":"):
+            return height
+    cursor.back_to(begun)
+    return 0
+
+
+def _towers(first: tuple[Phrase, ...], count: int, height: int) -> list[Clause]:
+    """Several towers: of as many named things each, in their order, or to choose."""
+    if height and len(first) == count * height and not any(map(_is_several, first)):
+        return [Clause("stack", first[at : at + height]) for at in range(0, len(first), height)]
+    return [Clause("towers", first, count=count, height=height)]
+
+
 def skip_several(cursor: Cursor) -> int:
     """Past `two towers:` where a wish about things follows; how many they are, 0 where it is no such beginning."""
     begun = cursor.at
     count = _skip_head(cursor)
+    if count > 1:
+        _height(cursor)
     cursor.skip("with", ":", ",", "put")
     wish = cursor.at
     is_wish = count > 1 and bool(noun_phrases(cursor)) and cursor.kind() == "relation"

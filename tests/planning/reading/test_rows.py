@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import random
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import pytest
 from hypothesis import given, settings
@@ -86,3 +86,66 @@ def test_a_tower_on_the_line_is_no_part_of_a_row_and_a_row_that_is_there_is_one(
         seen = scene(*ends, *middle)
         wanted = reading_of("line up the cubes", seen).goal
         assert wanted is not None and reached(wanted, seen) is is_row
+
+
+GERMAN = {"red": "rot", "green": "grün", "blue": "blau", "yellow": "gelb"}
+ROWS = (
+    ("{0}, {1}, {2} in a row from left to right", False), ("in a row: {0}, then {1}, {2}, from left to right", False),
+    ("a row, from left to right: {0}, {1}, {2}", False), ("line up {0}, {1} and {2} from right to left", True),
+    ("{0}, {1}, {2} in eine Reihe von links nach rechts", False),
+    ("{0}, {1} und {2} der Reihe nach, von rechts: {0}, {1}, {2}", True),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(("form", "is_from_right"), ROWS)
+@given(st.permutations(COLOURS[:3]))
+def test_an_order_within_a_row_is_that_of_its_words(form: str, is_from_right: bool, order: list[str]) -> None:
+    seen, text = drawn(1, 4), form.format(*(GERMAN[each] for each in order) if "eihe" in form else order)
+    names = [f"{colour}_cube" for colour in (reversed(order) if is_from_right else order)]
+    found = reading_of(text, seen).goal
+    assert found is not None and is_said(found, text, seen)
+    assert found.written()["all"] == [{"left_of": list(pair)} for pair in pairwise(names)]
+
+
+def test_without_a_side_an_order_within_a_row_is_offered() -> None:
+    found = reading_of("in a row: red, then blue, then green", drawn(1, 4))
+    assert found.goal is None and len(found.candidates) == 1
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_the_ends_of_a_row_are_those_that_are_given(side: str) -> None:
+    seen = drawn(2, 4)
+    for colour in COLOURS:
+        text = f"put the cubes in a row with {colour} on the far {side}"
+        found = reading_of(text, seen).goal
+        assert found is not None and is_said(found, text, seen)
+        first = next(iter(found.written()["all"]))["left_of"]
+        assert first[0 if side == "left" else 1] == f"{colour}_cube"
+
+
+def test_what_is_on_the_left_is_left_of_all_that_is_on_the_right() -> None:
+    seen = drawn(3, 4)
+    for text in ("red and blue on the left, green on the right", "rot und blau links, grün rechts"):
+        found = reading_of(text, seen).goal
+        assert found is not None and is_said(found, text, seen)
+        assert found.written()["all"] == [{"left_of": [name, "green_cube"]} for name in ("red_cube", "blue_cube")]
+
+
+def test_several_towers_of_a_height_are_made_of_what_is_listed_in_turn() -> None:
+    seen = drawn(4, 4)
+    found = reading_of("two piles of two: red/green, blue/yellow", seen).goal
+    assert found is not None
+    assert [each["on"] for each in found.written()["all"]] == [
+        ["red_cube", "desk"], ["green_cube", "red_cube"], ["blue_cube", "desk"], ["yellow_cube", "blue_cube"],
+    ]  # fmt: skip
+    assert reading_of("two piles of three: red/green, blue/yellow", seen).goal is None
+
+
+@pytest.mark.parametrize(
+    ("text", "pair"),
+    [("put the apple on the red cube's right", ["red_cube", "apple"]),
+     ("the apple to the red cube's left", ["apple", "red_cube"])],
+)  # fmt: skip
+def test_a_side_of_a_thing_is_a_relation_to_it(text: str, pair: list[str]) -> None:
+    found = reading_of(text, drawn(5, 4)).goal
+    assert found is not None and found.written()["all"] == [{"left_of": pair}]
