@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Words that no list has and that ask for nothing: who is addressed, and what a thing is like.
+"""Words that ask for nothing: who is addressed, what a thing is like, and what a wish is about.
 
 Rule: an aside is ahead of the wishes, and names no thing and no place; what a thing is like chooses none of several.
 """
@@ -9,19 +9,41 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rai_missions.planning.reading.lexicon import Vocabulary, lexicon, lexicons
-from rai_missions.planning.reading.symbols import Symbol, past
+from rai_missions.planning.reading.symbols import SUBJECTS, Symbol, past
+from rai_missions.planning.scene import CONTAINERS
 
 __all__ = ("without_asides",)
 
 MOST_WORDS = 3
 """Words of an aside."""
 SIGNS = (",", ".", ":")
+TOPIC = ("the", "a", "all", "number", "colour", "noun")
+"""Kinds of symbols of which what a remark is about consists."""
+WISHING = (
+    "put",
+    "grasp",
+    "stack",
+    "swap",
+    "group",
+    "apart",
+    "sort",
+    "fill",
+    "empty",
+    "keep",
+    "stays",
+    "holds",
+    "asked",
+    "toss",
+    "forbidden",
+)
+"""Kinds of symbols that ask for something."""
 VERBS = frozenset({"put", "stack", "sort", "group", "apart", "swap", "grasp", "fill", "empty", "unstack"})
 """Kinds of symbols that begin a wish after a comma; a noun there may continue a list."""
 
 
 def without_asides(found: Sequence[Symbol], words: Vocabulary) -> list[Symbol]:
     """The symbols without an aside ahead of the wishes, and with epithets: `Gertrude, put the bruised apple …`."""
+    found = _with_topic(found, words)
     end = past(found, 0, ("unknown",))
     if 0 < end <= MOST_WORDS and end + 1 < len(found) and all(_is_plain(each, words) for each in found[:end]):
         sign, after = found[end].kind, found[end + 1].kind
@@ -32,6 +54,40 @@ def without_asides(found: Sequence[Symbol], words: Vocabulary) -> list[Symbol]:
         symbol._replace(kind="epithet") if _is_epithet(found, at) and _is_plain(symbol, words) else symbol
         for at, symbol in enumerate(found)
     ]
+
+
+def _with_topic(found: Sequence[Symbol], words: Vocabulary) -> Sequence[Symbol]:
+    """What a remark ahead of a wish is about in place of the wish's pronoun: `the tomato is soft, bin it`."""
+    end = past(found, 0, {each.kind for each in found} - {*SIGNS})
+    remark, wish = found[:end], found[end + 1 :]
+    at = next((at for at, each in enumerate(wish) if each.kind in SUBJECTS and not _is_place(each)), len(wish))
+    begun = next((at for at, each in enumerate(remark) if each.kind in TOPIC), end)
+    until = past(remark, begun, (*TOPIC, "and"))
+    ahead = begun - (0 < begun < end and remark[begun - 1].kind == "pronoun")  # `that tomato`
+    topic, others = remark[begun:until], [*remark[:ahead], *remark[until:]]
+    is_about = (
+        remark[until].kind in ("is", "owner", "unknown")
+        if until < end
+        else remark[:1] != [] and remark[0].text in words.data["people"]
+    )
+    is_wish = any(each.kind in WISHING or each.text in words.turning | words.cutting for each in others)
+    is_remark = is_about and not is_wish and not any(each.kind in SUBJECTS for each in others)
+    if not is_remark or at == len(wish) or wish[at].kind != "pronoun" or not _may_be(wish[at], topic, words):
+        return found
+    return [*wish[:at], *topic, *wish[at + 1 :]]
+
+
+def _may_be(pronoun: Symbol, topic: Sequence[Symbol], words: Vocabulary) -> bool:
+    """Whether a pronoun may be about so many things; German has one for both."""
+    named = [each for each in topic if each.kind in ("noun", "colour")]
+    nouns = [each.value.is_many for each in topic if each.kind == "noun"]
+    is_many = any(each.kind == "and" for each in topic) or any(nouns) or None in nouns
+    return bool(named) and (pronoun.text in words.data["one_or_many"] or is_many == (pronoun.value == "many"))
+
+
+def _is_place(symbol: Symbol) -> bool:
+    """Whether it is where the wish puts something: `into the bin with it`, `bin it`."""
+    return symbol.kind == "noun" and bool(symbol.value.types <= CONTAINERS)
 
 
 def _is_plain(symbol: Symbol, words: Vocabulary) -> bool:

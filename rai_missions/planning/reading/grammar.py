@@ -155,6 +155,8 @@ class Rules:
         if rule is not None:
             return self._after(rule())
         is_held = cursor.skip("grasp")
+        if ordered := ordered_row(cursor, (), is_named=False):
+            return [ordered]
         subjects = self._things()
         if is_too and before and cursor.kind() in ("", *BETWEEN):
             return [Clause("too", subjects)]  # `…, and so should the apple`
@@ -262,7 +264,7 @@ class Rules:
     def _contents(self, subjects: tuple[Phrase, ...]) -> Clause | None:
         """`The tray should hold the cubes`, `tray: the cubes`; None where nothing of that is here."""
         cursor, begun = self.cursor, self.cursor.at
-        if len(subjects) == 1 and _is_container(subjects[0]):
+        if len(subjects) == 1 and subjects[0].is_container:
             is_listed = cursor.skip("holds") or cursor.skip(*NAMED)
             found = self._members() if is_listed else noun_phrases(cursor)
             if found and (is_listed or cursor.skip("holds")):  # `das Tablett soll die Würfel enthalten`
@@ -279,8 +281,8 @@ class Rules:
         if is_open:
             *subjects_before, target = subjects
             subjects = tuple(subjects_before)
-        is_whole = target is not None and _is_container(target) and cursor.kind() in ("", *BETWEEN)
-        if is_whole and not any(map(_is_container, subjects)):
+        is_whole = target is not None and target.is_container and cursor.kind() in ("", *BETWEEN)
+        if is_whole and not any(each.is_container for each in subjects):
             return Clause("in", subjects, target, is_open=is_open)
         cursor.back_to(begun)
         return None
@@ -459,7 +461,7 @@ class Rules:
 
     def _emptied(self, word: str, targets: tuple[Phrase, ...]) -> list[Clause]:
         """All that lies in a container comes out of it; `… into the bin` names where it goes."""
-        if not all(map(_is_container, targets)):
+        if not all(each.is_container for each in targets):
             raise self.unread()
         self.cursor.skip("empty")
         every = Phrase("everything", word, is_many=True, is_all=True)
@@ -569,7 +571,3 @@ class Rules:
             raise Unread("order", self.lexicon.text("order"))
         subjects = subjects if is_from_left else subjects[::-1]
         return [Clause("in_order", subjects, whole[0] if whole else None)]
-
-
-def _is_container(phrase: Phrase) -> bool:
-    return bool(phrase.types) and phrase.types <= CONTAINERS

@@ -6,6 +6,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
+from rai_missions.planning.scene import CONTAINERS
+
 __all__ = ("Clause", "ClauseKind", "Phrase", "PhraseKind", "Rank", "Unread")
 
 PhraseKind = Literal["things", "everything", "rest", "pronoun", "those", "there", "desk", "tower", "top"]
@@ -102,6 +104,11 @@ class Phrase:
     """Other things that may be meant in its place: `the red or the blue cube`."""
     without: tuple[Phrase, ...] = ()
     not_types: frozenset[str] = frozenset()
+
+    @property
+    def is_container(self) -> bool:
+        """Whether a noun names containers, and nothing else."""
+        return bool(self.types) and self.types <= CONTAINERS
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,11 @@ def rewritten(request: str, lexicon: Vocabulary) -> list[Symbol]:
     found, data = without_asides(symbols(request, lexicon), lexicon), lexicon.data
     for each in data["separated"]:
         found = _joined(found, each)
-    found = [symbol for at, symbol in enumerate(found) if not _is_particle(found, at, data)]
+    found = [
+        symbol
+        for at, symbol in enumerate(found)
+        if not _is_particle(found, at, data) and not _is_formal(found, at, data)
+    ]
     found = _off_towers(_kept_apart(_excluding(_without_reasons(found), data)))
     return _cleared_tops(_moved_out(_removed(_corrected(_taken_back(found, data)), data), data), data)
 
@@ -31,6 +35,13 @@ def _is_particle(found: Sequence[Symbol], at: int, data: Mapping[str, Any]) -> b
     """Whether it only completes a verb: `räum … auf`, `setz … ab`."""
     is_last = at + 1 == len(found) or found[at + 1].kind in (".", ",", "and", "then", ":")
     return found[at].kind == "particle" or (is_last and data["prefixes"].get(found[at].text) == "")
+
+
+def _is_formal(found: Sequence[Symbol], at: int, data: Mapping[str, Any]) -> bool:
+    """Whether it is who is addressed after a verb: `legen Sie den Apfel …`; what is to be put follows."""
+    before, after = found[at - 1] if at else None, found[at + 1].kind if at + 1 < len(found) else ""
+    is_verb = before is not None and before.kind in ("put", "grasp", "stack", "swap", "group", "apart", "sort")
+    return found[at].text in data["formal"] and is_verb and after in NAMING
 
 
 def _excluding(found: Sequence[Symbol], data: Mapping[str, Any]) -> list[Symbol]:
@@ -76,7 +87,9 @@ def _off_towers(found: Sequence[Symbol]) -> list[Symbol]:
     kept = list[Symbol]()
     for symbol in found:
         is_off = kept[-1:] and (kept[-1].kind, kept[-1].value) == ("relation", "off")
-        is_off_the = [each.kind for each in kept[-2:]] == ["relation", "the"] and kept[-2].value == "off"
+        is_off_the = [each.kind for each in kept[-2:]] in (["relation", "the"], ["relation", "pronoun"]) and kept[
+            -2
+        ].value == "off"
         kept.append(symbol._replace(kind="tower") if symbol.kind == "stack" and (is_off or is_off_the) else symbol)
     return kept
 
@@ -126,6 +139,8 @@ def _corrected(found: list[Symbol]) -> list[Symbol]:
         before.pop()
     while after and after[0].kind in (",", ".", "rather"):
         after.pop(0)
+    if not after and found[at].value == "back":
+        return found
     if not before or not after:
         return [*before, *after]
     if after[0].kind == "reverse" and (turned := _turned(before)):
@@ -133,6 +148,9 @@ def _corrected(found: list[Symbol]) -> list[Symbol]:
     if after[0].kind == "relation":
         place = [index for index, symbol in enumerate(before) if symbol.kind == "relation"]
         return _corrected([*before[: place[-1]], *after]) if place else found
+    relations = [sum(each.kind in ("relation", "each_other") for each in part) for part in (before, after)]
+    if relations[0] == 1 <= relations[1] and after[0].kind in NAMING and past(after, 0, NAMING) < len(after):
+        return _corrected(after)  # `blue on orange, never mind, red on orange`
     named = _sentence_end(after, 0, (".", ","))
     runs = [run for run in _runs(before) if _may_replace(after[:named], before[run])]
     if all(symbol.kind in NAMING for symbol in after[:named]) and len(runs) == 1:

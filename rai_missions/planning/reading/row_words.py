@@ -22,12 +22,13 @@ def row_of(cursor: Cursor, subjects: tuple[Phrase, ...]) -> Clause:
     return ordered_row(cursor, subjects) or Clause("row", subjects, levels=_ends(cursor))
 
 
-def ordered_row(cursor: Cursor, whole: tuple[Phrase, ...]) -> Clause | None:
+def ordered_row(cursor: Cursor, whole: tuple[Phrase, ...], *, is_named: bool = True) -> Clause | None:
     """`…: red, then blue, then green`, from a side that is given; without one it is offered from the left.
 
     Args:
         cursor: Past the words that ask for a row.
         whole: What the row consists of, where that came before.
+        is_named: Whether a row is asked for already; else the side has to be given.
 
     Returns:
         None where no order is given; the cursor stays.
@@ -38,7 +39,7 @@ def ordered_row(cursor: Cursor, whole: tuple[Phrase, ...]) -> Clause | None:
     is_listed = bool(sides) or any(each.kind in (":", "then") for each in cursor.symbols[begun : cursor.at])
     cursor.skip(",", ".")
     sides += _side(cursor)
-    if len(found) < 2 or not (is_listed or sides) or len(sides) > 1 or cursor.kind() not in CLOSING:
+    if len(found) < 2 or not ((is_listed and is_named) or sides) or len(sides) > 1 or cursor.kind() not in CLOSING:
         cursor.back_to(begun)
         return None
     is_other = len(whole) == 1 and whole[0].kind != "pronoun"

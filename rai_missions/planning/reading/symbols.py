@@ -37,6 +37,8 @@ SMILE = re.compile(r"[:;]-?[()dp](?!\w)|[\U0001f300-\U0001faff\u2600-\u27bf]")
 """A face in signs or as one; an arrow was read before."""
 
 
+LONE = re.compile(r"(?<!\w)'(?=\w)|(?<=\w)'(?!\w)")
+"""An apostrophe or a quotation mark at one end of a word: `stack 'em`."""
 ENDS = (".", ",", "and", "then", "too", "empty")
 SUBJECTS = frozenset({"noun", "colour", "generic", "pronoun", "all", "rest", "everything"})
 """Kinds of symbols that end a phrase about things."""
@@ -71,7 +73,7 @@ class Symbol(NamedTuple):
 def words_of(request: str, lexicon: Vocabulary) -> list[str]:
     """The words, numbers and signs of a request in lower case, contractions written out and slips mended."""
     text = HYPHEN.sub(" ", ARROW.sub(" → ", readable(request).lower())).replace("−", "-")
-    text = SMILE.sub(" ", text).replace("\n", " . ")
+    text = LONE.sub("", SMILE.sub(" ", text)).replace("\n", " . ")
     found = list[str]()
     contractions = lexicon.data["contractions"]
     for token in TOKENS["." if lexicon.data["decimal"] == "." else ".,"].findall(text):
@@ -100,7 +102,7 @@ def symbols(request: str, lexicon: Vocabulary) -> list[Symbol]:
         at += count
     found = list(_measured(_off_desk(_unbracketed(_unnumbered(found))), lexicon.data["measured"]))
     found = list(_asking(found, lexicon.data))
-    found = _owned(found)
+    found = _with_sides_last(_owned(found))
     found = _compared(_without_noise(_with_other_wishes(found)))
     return _without_contrast(_clearing(found), lexicon.data["contrast"])
 
@@ -163,7 +165,9 @@ def _with_other_wishes(found: list[Symbol]) -> list[Symbol]:
             is_closed = end == len(found) or found[end].kind in ENDS
             is_too = past(found, end, ("too",)) > end
             is_how = is_too or any(each.value != "closing" for each in found[named:end])
-            if named == at + 1 < end or (is_closed and is_how):
+            if found[at + 1 : at + 2] and found[at + 1].kind == "keep":
+                found[at] = symbol._replace(kind=",")  # `…, but leave the red one alone`
+            elif named == at + 1 < end or (is_closed and is_how):
                 found[at] = symbol._replace(kind="no")
     return found
 
@@ -195,7 +199,8 @@ def _compared(found: list[Symbol]) -> list[Symbol]:
     for at, symbol in enumerate(found):
         before, after = found[at - 1].kind if at else "", found[at + 1].kind if at + 1 < len(found) else ""
         is_side = symbol.kind == "side" and symbol.value in NEXT_SIDE
-        if is_side and before in ("noun", "colour", "generic") and after in ("", *ENDS):
+        is_shift = any(each.value == "shift" for each in found[:at])
+        if is_side and not is_shift and before in ("noun", "colour", "generic") and after in ("", *ENDS):
             kept.append(symbol._replace(kind="compared"))  # `the cubes to the left, the fruit to the right`
         elif not is_side or before != "the":
             kept.append(symbol)
@@ -235,6 +240,31 @@ def _owned(found: Sequence[Symbol]) -> list[Symbol]:
         is_shift = begun > 0 and kept[begun - 1].kind == "number" and before.kind == "the"
         kept[begun:] = [symbol] if is_shift else [placed, *owner]
     return kept
+
+
+def _with_sides_last(found: list[Symbol]) -> list[Symbol]:
+    """With the two sides of the desk after what is to be there: `on the left the cubes, on the right: the fruit`."""
+    starts = [at for at, each in enumerate(found) if each.kind == "side" and each.value in NEXT_SIDE]
+    ahead = [next((at - back for back in (0, 1, 2) if _is_start(found, at - back)), -1) for at in starts]
+    if [found[at].value for at in starts] not in (["left", "right"], ["right", "left"]) or -1 in ahead:
+        return found
+    kept = found[: ahead[0]]
+    for at, end in zip(starts, (ahead[1], len(found)), strict=True):
+        body = [*found[at + 1 : end]]
+        while body and body[0].kind in (",", ":", "put"):
+            body.pop(0)
+        while body and body[-1].kind in (*ENDS, ":"):
+            body.pop()
+        if not body or body[-1].kind not in ("noun", "colour", "generic"):
+            return found
+        kept += [*body, found[at]._replace(kind="compared"), Symbol(",", "", ",")]
+    return kept
+
+
+def _is_start(found: Sequence[Symbol], at: int) -> bool:
+    """Whether the words of a side begin here: `on the left`, at the beginning or after a sign."""
+    is_first = at == 0 or (at > 0 and found[at - 1].kind in (*ENDS, "put", ":"))
+    return is_first and found[at].kind in ("side", "relation", "the")
 
 
 def _asking(found: Sequence[Symbol], data: Mapping[str, Any]) -> Iterator[Symbol]:

@@ -57,6 +57,8 @@ def tower(
         return [Clause("stack", ordered)]
     if first and cursor.kind() == ":" and (ordered := ordered_phrases(cursor)):
         return [Clause("stack", first, levels=tuple((each, level) for level, each in enumerate(ordered)))]
+    if first and (chain := _downward(cursor)):
+        return [Clause("stack", first, levels=tuple((each, level) for level, each in enumerate(chain)))]
     if first and cursor.kind() == "relation":
         return _based(first, cursor, lexicon) or _chain(first, cursor, unread)
     cursor.skip("put")
@@ -161,6 +163,23 @@ def _chain(first: tuple[Phrase, ...], cursor: Cursor, unread: Callable[[], Unrea
     return found
 
 
+def _downward(cursor: Cursor) -> tuple[Phrase, ...]:
+    """`… with red over blue over green at the base`, from below; empty where it is no chain of two or more."""
+    begun, found = cursor.at, list[Phrase]()
+    cursor.skip("with", ",", ":")
+    while (phrase := noun_phrase(cursor)) is not None:
+        found.append(phrase)
+        if cursor.value() != "on" or not cursor.skip("relation"):
+            break
+    if cursor.kind() == "level" and cursor.value() == "bottom":
+        cursor.take()
+    are_things = all(each.kind == "things" and not each.is_container for each in found)
+    if len(found) < 2 or not are_things or cursor.kind() not in (*ENDS, "and"):
+        cursor.back_to(begun)
+        return ()
+    return tuple(reversed(found))
+
+
 def _several(cursor: Cursor, unread: Callable[[], Unread]) -> list[Clause]:
     found = list[Clause]()
     while cursor.kind() == "part":
@@ -214,6 +233,8 @@ def levels_of(
 def _skip_below(cursor: Cursor) -> bool:
     """Past words that name the level below, `… blue above it`; whether there were any."""
     is_above = cursor.kind() == "relation" and cursor.value() == "on" and cursor.kind(1) == "pronoun"
+    if cursor.kind() == "there" and cursor.kind(1) in (*ENDS, "and"):
+        return cursor.skip("there")  # `rot unten, blau drauf`
     return is_above and cursor.kind(2) in (*ENDS, "and") and cursor.skip("relation", "pronoun")
 
 

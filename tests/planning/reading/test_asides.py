@@ -53,3 +53,37 @@ def test_a_word_that_another_language_knows_is_no_aside(text: str) -> None:
 def test_an_offer_lacks_no_thing_and_no_place_of_the_request(text: str) -> None:
     found = reading_of(text, FLAT)
     assert (found.goal, found.candidates) == (None, ())
+
+
+@pytest.mark.parametrize("verb", ["is", "looks", "was"])
+@given(WORDS)
+def test_a_remark_ahead_of_a_wish_gives_what_its_pronoun_means(verb: str, word: str) -> None:
+    for text in (
+        f"the apple {verb} {word}, put it in the tray", f"I {word} that apple. It should be in the tray",
+        f"der Apfel ist {word}, leg ihn aufs Tablett", f"der Apfel ist {word}. Aufs Tablett damit",
+    ):  # fmt: skip
+        assert goal_of(text) == IN_TRAY, text
+    both = [{"swapped": ["apple", "carrot"]}]
+    assert goal_of(f"the apple and the carrot {verb} {word}, swap them") == both
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["quux the apple, put it in the tray", "the apple is for the carrot, put it in the tray",
+     "put the apple down, quux it", "the apples are quux, put it in the tray",
+     "the apple until quux, put it in the tray",
+     "the apple is quux, put the carrot next to it, then it in the tray"],
+)  # fmt: skip
+def test_a_remark_that_may_ask_for_something_or_is_of_two_things_leaves_no_goal(text: str) -> None:
+    assert goal_of(text) is None
+
+
+def test_what_is_taken_back_is_no_goal_and_a_whole_wish_after_it_is() -> None:
+    assert goal_of("blue on green, never mind") is None
+    assert goal_of("blue on green, never mind, red on green") == [{"on": ["red_cube", "green_cube"]}]
+    assert goal_of("the apple in the tray, scrap that, in the bin") == [{"in": ["apple", "bin"]}]
+
+
+def test_who_is_addressed_formally_is_not_what_is_put() -> None:
+    assert goal_of("Legen Sie den Apfel aufs Tablett") == IN_TRAY
+    assert goal_of("Nehmen Sie bitte den Apfel und legen Sie ihn aufs Tablett") == IN_TRAY

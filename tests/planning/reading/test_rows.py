@@ -125,10 +125,32 @@ def test_the_ends_of_a_row_are_those_that_are_given(side: str) -> None:
 
 def test_what_is_on_the_left_is_left_of_all_that_is_on_the_right() -> None:
     seen = drawn(3, 4)
-    for text in ("red and blue on the left, green on the right", "rot und blau links, grün rechts"):
+    for text in (
+        "red and blue on the left, green on the right", "rot und blau links, grün rechts",
+        "on the right put green, on the left: red and blue", "links rot und blau, rechts grün",
+    ):  # fmt: skip
         found = reading_of(text, seen).goal
         assert found is not None and is_said(found, text, seen)
         assert found.written()["all"] == [{"left_of": [name, "green_cube"]} for name in ("red_cube", "blue_cube")]
+
+
+def test_without_a_side_of_the_other_thing_or_after_a_verb_of_moving_no_side_is_a_relation() -> None:
+    for text in ("red on the left", "move red to the left and blue to the right", "red left, blue left"):
+        assert reading_of(text, drawn(3, 4)).goal is None, text
+
+
+def test_a_chain_with_its_lowest_named_is_a_tower_of_what_came_before() -> None:
+    seen = drawn(4, 3)
+    for text in (
+        "stack the cubes with red over blue over green",
+        "the cubes get piled with red on blue on green at the base",
+    ):
+        found = reading_of(text, seen).goal
+        assert found is not None and is_said(found, text, seen)
+        assert [each["on"] for each in found.written()["all"]] == [
+            ["green_cube", "desk"], ["blue_cube", "green_cube"], ["red_cube", "blue_cube"],
+        ]  # fmt: skip
+    assert reading_of("stack the cubes with red on the tray", seen).goal is None
 
 
 def test_several_towers_of_a_height_are_made_of_what_is_listed_in_turn() -> None:
