@@ -59,22 +59,34 @@ def without_asides(found: Sequence[Symbol], words: Vocabulary) -> list[Symbol]:
 def _with_topic(found: Sequence[Symbol], words: Vocabulary) -> Sequence[Symbol]:
     """What a remark ahead of a wish is about in place of the wish's pronoun: `the tomato is soft, bin it`."""
     end = past(found, 0, {each.kind for each in found} - {*SIGNS})
-    remark, wish = found[:end], found[end + 1 :]
+    before, wish = found[:end], found[end + 1 :]
+    if len(before) > 1 and (before[-1].kind, before[-1].value) == ("level", "middle"):
+        return _around([each for each in before[:-1] if each.kind != "put"], wish) or found
     at = next((at for at, each in enumerate(wish) if each.kind in SUBJECTS and not _is_place(each)), len(wish))
-    begun = next((at for at, each in enumerate(remark) if each.kind in TOPIC), end)
-    until = past(remark, begun, (*TOPIC, "and"))
-    ahead = begun - (0 < begun < end and remark[begun - 1].kind == "pronoun")  # `that tomato`
-    topic, others = remark[begun:until], [*remark[:ahead], *remark[until:]]
+    begun = next((at for at, each in enumerate(before) if each.kind in TOPIC), end)
+    until = past(before, begun, (*TOPIC, "and"))
+    ahead = begun - (0 < begun < end and before[begun - 1].kind == "pronoun")  # `that tomato`
+    topic, others = before[begun:until], [*before[:ahead], *before[until:]]
     is_about = (
-        remark[until].kind in ("is", "owner", "unknown")
+        before[until].kind in ("is", "owner", "unknown")
         if until < end
-        else remark[:1] != [] and remark[0].text in words.data["people"]
+        else before[:1] != [] and before[0].text in words.data["people"]
     )
     is_wish = any(each.kind in WISHING or each.text in words.turning | words.cutting for each in others)
     is_remark = is_about and not is_wish and not any(each.kind in SUBJECTS for each in others)
     if not is_remark or at == len(wish) or wish[at].kind != "pronoun" or not _may_be(wish[at], topic, words):
         return found
     return [*wish[:at], *topic, *wish[at + 1 :]]
+
+
+def _around(middle: Sequence[Symbol], wish: Sequence[Symbol]) -> list[Symbol]:
+    """What is around a thing in the middle: `green in the middle, red on its left`; empty where it is not named so."""
+    is_named = all(each.kind in TOPIC for each in middle) and any(each.kind in ("noun", "colour") for each in middle)
+    of = [wish[at - 1].value in ("left_of", "right_of") and wish[at].kind == "pronoun" for at in range(len(wish))]
+    if not is_named or not any(of):
+        return []
+    around = [[*middle] if is_it else [each] for each, is_it in zip(wish, of, strict=True)]
+    return [symbol for part in around for symbol in part]
 
 
 def _may_be(pronoun: Symbol, topic: Sequence[Symbol], words: Vocabulary) -> bool:

@@ -22,6 +22,7 @@ from rai_missions.planning.reading.noun_phrases import (
 from rai_missions.planning.reading.phrases import Clause, ClauseKind, Phrase, Unread
 from rai_missions.planning.reading.places import gap, has_place, place, shift
 from rai_missions.planning.reading.row_words import ordered_row, row_of, sides_of
+from rai_missions.planning.reading.swaps import swaps
 from rai_missions.planning.reading.symbols import SUBJECTS, Symbol
 from rai_missions.planning.reading.towers import is_tower, levels_of, skip_several, tower
 from rai_missions.planning.scene import CONTAINERS
@@ -343,12 +344,14 @@ class Rules:
             return Clause("stack", members, levels=levels)
         if word.kind == "by":
             return Clause("by", subjects, by=word.value)
+        if "swap" in (word.kind, word.value):
+            return swaps(self.cursor, subjects)[0]  # `red should trade places with blue`
         if word.value == "unstack":
             return Clause("unstack", subjects)
         if word.kind == "each_other":
             is_row = word.value == "row" or (word.value == "next_to" and self._is_after("line"))
             return row_of(self.cursor, subjects) if is_row else Clause(MUTUAL[word.value], subjects, base)
-        return Clause("swap" if word.kind == "swap" else "too", subjects)
+        return Clause("too", subjects)
 
     def _base(self, word: str) -> Phrase | None:
         """What a tower stands on: `… on top of each other in the tray`."""
@@ -504,10 +507,7 @@ class Rules:
     def _swap(self) -> list[Clause]:
         self.cursor.take()
         self.cursor.skip("with", ",", "put")
-        subjects = self._members()
-        if self.cursor.skip("with", "for"):
-            subjects += noun_phrases(self.cursor, most=1)
-        return [Clause("swap", subjects)]
+        return swaps(self.cursor, self._members())
 
     def _group(self) -> list[Clause]:
         if self.cursor.kind(1) == "by":

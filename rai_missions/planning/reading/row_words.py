@@ -37,6 +37,7 @@ def ordered_row(cursor: Cursor, whole: tuple[Phrase, ...], *, is_named: bool = T
     sides = _side(cursor)
     found = ordered_phrases(cursor)
     is_listed = bool(sides) or any(each.kind in (":", "then") for each in cursor.symbols[begun : cursor.at])
+    cursor.skip(*(["level"] if cursor.value() == "top" else []))  # `…, and yellow last`
     cursor.skip(",", ".")
     sides += _side(cursor)
     if len(found) < 2 or not ((is_listed and is_named) or sides) or len(sides) > 1 or cursor.kind() not in CLOSING:

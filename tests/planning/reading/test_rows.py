@@ -153,6 +153,29 @@ def test_a_chain_with_its_lowest_named_is_a_tower_of_what_came_before() -> None:
     assert reading_of("stack the cubes with red on the tray", seen).goal is None
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["swap red with blue and green with yellow", "red swaps with blue, and swap green and yellow",
+     "tausche Rot mit Blau und Grün mit Gelb"],
+)  # fmt: skip
+def test_several_pairs_are_exchanged(text: str) -> None:
+    found = reading_of(text, drawn(6, 4)).goal
+    assert found is not None
+    pairs = [{"swapped": ["red_cube", "blue_cube"]}, {"swapped": ["green_cube", "yellow_cube"]}]
+    assert found.written()["all"] == pairs
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["put green in the middle, red on its left and blue on its right",
+     "Grün in die Mitte, Rot links davon, Blau rechts davon"],
+)  # fmt: skip
+def test_what_is_in_the_middle_is_what_the_sides_are_of(text: str) -> None:
+    found = reading_of(text, drawn(7, 3)).goal
+    assert found is not None
+    assert found.written()["all"] == [{"left_of": ["red_cube", "green_cube"]}, {"left_of": ["green_cube", "blue_cube"]}]
+
+
 def test_several_towers_of_a_height_are_made_of_what_is_listed_in_turn() -> None:
     seen = drawn(4, 4)
     found = reading_of("two piles of two: red/green, blue/yellow", seen).goal
