@@ -65,7 +65,7 @@ class CampaignResult(NamedTuple):
     """How a campaign's run ended."""
 
     counts: Mapping[str, int]
-    """Status → cells."""
+    """Status → cells of the plan; those of models that are not asked now are left out."""
     missing: int
     """Cells without a record; where labels alone are made, scenes without labels."""
     stopped: str
@@ -185,8 +185,18 @@ def run_campaign(
     else:
         missing = len(plan.cells.keys() - store.keys().keys())
     seconds = time.monotonic() - began
-    unlabelled = dict(Counter(intake.unlabelled.values()).most_common())
-    return CampaignResult(store.counts(), missing, stopped if missing else "", seconds, store.failures(), unlabelled)
+    ends = [end for key, end in store.ends().items() if key in plan.cells]
+    counts = Counter(status for status, _ in ends)
+    failures = Counter(error for status, error in sorted(ends) if status == "failed")
+    unlabelled = Counter(intake.unlabelled.values())
+    return CampaignResult(
+        counts,
+        missing,
+        stopped if missing else "",
+        seconds,
+        dict(failures.most_common()),
+        dict(unlabelled.most_common()),
+    )
 
 
 def _labelled_plan(loaded: LoadedCampaign, store: ResultStore) -> CampaignPlan:

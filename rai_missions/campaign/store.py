@@ -276,14 +276,9 @@ class ResultStore:
         """Scene and embodiment of every question that is here."""
         return set(self._read("SELECT scene, embodiment FROM question"))
 
-    def failures(self) -> dict[str, int]:
-        """Why cells failed → how many did, the most first."""
-        why = "SELECT error, count(*) FROM cell WHERE status = 'failed' GROUP BY error ORDER BY 2 DESC, 1"
-        return dict(self._read(why))
-
-    def counts(self) -> dict[str, int]:
-        """Status → how many cells have it."""
-        return dict(self._read("SELECT status, count(*) FROM cell GROUP BY status"))
+    def ends(self) -> dict[str, tuple[str, str]]:
+        """Key → status and error, of every cell."""
+        return {key: (status, error) for key, status, error in self._read("SELECT cell, status, error FROM cell")}
 
 
 TABLE_OF: Mapping[type[Any], str] = {record: table for table, record in RECORDS.items()}

@@ -150,7 +150,7 @@ def test_a_scene_in_which_nothing_stops_the_tractor_ends_no_campaign(tmp_path: P
     assert "asked nothing" in next(iter(result.unlabelled))
 
 
-def test_why_no_option_can_be_tried_in_a_scene_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_why_no_option_can_be_tried_in_a_scene_is_reported(tmp_path: Path) -> None:
     path = write_campaign(tmp_path, campaign_data(2, labels="rollouts", orders=["written"]))
     mission = json.loads((tmp_path / "mission.json").read_text())
     seconds = {"type": "object", "properties": {"s": {"type": "number"}}, "required": ["s"]}
@@ -161,13 +161,23 @@ def test_why_no_option_can_be_tried_in_a_scene_is_reported(tmp_path: Path, monke
         found = ran(path, tmp_path / f"{len(words)}.db", **words).unlabelled
         assert list(found.values()) == [2] and next(iter(found)).startswith(why)
 
+
+def test_a_world_that_a_function_makes_may_lack_what_rollouts_need(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.syspath_prepend(str(Path(__file__).parents[1] / "plugins" / "installed"))
+    monkeypatch.syspath_prepend(str(tmp_path))
+    make = "from orchard_kinds.greenhouse import Greenhouse\ndef make(seed: int = 0): return Greenhouse(seed=seed)\n"
+    (tmp_path / "made_house.py").write_text(make)
+    (tmp_path / "made_house-1.0.dist-info").mkdir()
+    (tmp_path / "made_house-1.0.dist-info/METADATA").write_text("Metadata-Version: 2.1\nName: made_house\nVersion: 1\n")
+    (tmp_path / "made_house-1.0.dist-info/entry_points.txt").write_text("[rai_missions.worlds]\nmade=made_house:make\n")
     path = write_campaign(tmp_path, campaign_data(2, labels="rollouts"))
     data = json.loads(path.read_text())
-    path.write_text(json.dumps(data | {"scenes": data["scenes"] | {"world": "greenhouse", "options": {}}}))
-    found = ran(path, tmp_path / "greenhouse.db").unlabelled
+    path.write_text(json.dumps(data | {"scenes": data["scenes"] | {"world": "made", "options": {}}}))
+    found = ran(path, tmp_path / "made.db").unlabelled
     needs = "branch, harm, measures and work_done"
-    assert found == {f"nothing is rolled out in the world 'greenhouse': that needs {needs}": 2}
+    assert found == {f"nothing is rolled out in the world 'made': that needs {needs}": 2}
 
 
 def test_labels_alone_are_made_once_and_a_part_of_them_is_made_again(tmp_path: Path) -> None:
@@ -431,6 +441,23 @@ def test_cells_of_other_scenes_and_models_are_no_progress(tmp_path: Path) -> Non
     assert noted[-1].done == 4 and all(each.done <= each.total == 4 for each in noted)
 
 
+def test_failed_cells_of_models_that_are_not_asked_are_not_counted(tmp_path: Path) -> None:
+    path, store = write_campaign(tmp_path, campaign_data(2)), tmp_path / "results.db"
+    ran(path, store)
+    with ResultStore(store, writes=True) as opened:
+        opened.add(
+            [
+                cell._replace(status="failed", option="", error="429")
+                for cell in opened.cells()
+                if cell.model == "teller"
+            ]
+        )
+    loaded = load_campaign(path, models=["rules"])
+    with ResultStore(store, writes=True) as opened:
+        result = run_campaign(loaded, opened, WorkSettings(str(path), ("rules",), 1, ""), open_pool=SerialPool)
+    assert (result.counts, result.failures, result.missing) == ({"answered": 4}, {}, 0)
+
+
 def test_a_scene_that_cannot_be_built_fails_alone(tmp_path: Path) -> None:
     data = campaign_data(2)
     data["scenes"]["given"][1]["options"] = {"obstacles": ["dragon"]}
@@ -511,7 +538,7 @@ def counted(store: Path) -> int:
     """Cells in a store that may be in the making."""
     try:
         with ResultStore(store) as opened:
-            return sum(opened.counts().values())
+            return len(opened.ends())
     except UsageError:
         return 0
 

@@ -56,7 +56,7 @@ def test_what_is_added_is_read_back(tmp_path: Path) -> None:
 def test_a_cell_is_there_once_and_its_last_answer_counts(tmp_path: Path) -> None:
     with ResultStore(tmp_path / "results.db", writes=True) as store:
         store.add([CELL._replace(status="failed", option="", error="429")])
-        assert store.done() == set() and store.counts() == {"failed": 1}
+        assert store.done() == set() and store.ends() == {"k1": ("failed", "429")}
         store.add([CELL])
         assert list(store.cells()) == [CELL] and store.done() == {"k1"}
 
@@ -150,7 +150,7 @@ def test_a_store_that_is_damaged_is_named_whether_it_is_read_or_written(tmp_path
     path.write_bytes(content)
     fault = r"a\.db is damaged: database disk image is malformed; take a copy from before, or name another file"
     with ResultStore(path, writes=True) as store:
-        for use in (lambda: list(store.cells()), store.counts, lambda: store.add(cells)):
+        for use in (lambda: list(store.cells()), store.ends, lambda: store.add(cells)):
             with pytest.raises(UsageError, match=fault):
                 use()
         with pytest.raises(sqlite3.IntegrityError):  # a fault of the program stays one
