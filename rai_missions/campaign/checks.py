@@ -10,12 +10,13 @@ from typing import Any
 from rai_missions.campaign.embodiments import EMBODIMENTS
 from rai_missions.campaign.file import ANY_KIND, CONSTANT, OWN, CampaignFile
 from rai_missions.campaign.questions import CampaignSubject
+from rai_missions.campaign.rollout import ROLLOUT_METHODS
 from rai_missions.errors import DefinitionError, Fault, UsageError, pointer, suggestion
 from rai_missions.mission.option_parameters import parameter_faults
 from rai_missions.redaction import shown
 from rai_missions.runtime.arguments import accepted
 from rai_missions.states.decision import DecisionSpec, Option
-from rai_missions.worlds.world import WORLDS, check_local, check_world
+from rai_missions.worlds.world import WORLDS, check_local, check_world, load_world
 
 __all__ = ("faults_at_work", "faults_in")
 
@@ -69,12 +70,34 @@ def _of_world(file: CampaignFile) -> Iterator[Fault]:
     except UsageError as error:
         yield Fault("/scenes/world", f"{error}; a campaign gives each world the seed of its scene")
         return
+    yield from _of_labels(file)
+
+
+def _of_labels(file: CampaignFile) -> Iterator[Fault]:
+    world, lacked = file.scenes.world, _lacked_for_rollouts(file.scenes.world)
     if file.labels == "trials":
         from rai_missions.campaign.labels import TRIALS  # loads the world
 
         if world not in TRIALS:
-            known = ", ".join(TRIALS)
-            yield Fault("/labels", f"nothing tries options in the world {shown(world)}, but in: {known}; have rollouts")
+            instead = 'have "none"' if lacked else 'have "rollouts"'
+            yield Fault(
+                "/labels", f"nothing tries options in the world {shown(world)}, but in: {', '.join(TRIALS)}; {instead}"
+            )
+    if file.labels == "rollouts" and lacked:
+        why = f"nothing is rolled out in the world {shown(world)}: its class lacks {lacked}; add what it lacks, or have"
+        yield Fault("/labels", f'{why} "none"')
+
+
+def _lacked_for_rollouts(world: str) -> str:
+    """The methods for rollouts that a world's class lacks; empty for ours, and where only a made world shows it."""
+    if world in WORLDS:
+        return ""
+    try:
+        made_by = load_world(world)
+    except UsageError:
+        return ""  # what does not load here is not checked
+    absent = [each for each in ROLLOUT_METHODS if not hasattr(made_by, each)]
+    return ", ".join(absent) if isinstance(made_by, type) else ""
 
 
 def faults_at_work(file: CampaignFile, subject: CampaignSubject) -> Iterator[Fault]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rai_missions.campaign.rollout import LONGEST_S, Branchable, OpenDecision, Rollout, rollouts
+from rai_missions.campaign.rollout import LONGEST_S, ROLLOUT_NEEDS, Branchable, OpenDecision, Rollout, rollouts
 from rai_missions.engine import Chart
 from rai_missions.engine.decision import Question
 from rai_missions.errors import UsageError
@@ -56,7 +56,7 @@ class OracleAnswerer:
             UsageError: It cannot be branched, or nothing measures harm in it.
         """
         if not isinstance(world, Branchable):
-            raise UsageError(f"the oracle needs a world with branch, harm, measures and work_done, not {world!r}")
+            raise UsageError(f"the oracle needs a world with {ROLLOUT_NEEDS}, not {world!r}")
         self._world = world
 
     def read_from(self, view: View) -> None:

@@ -29,7 +29,8 @@ from rai_missions.runtime.run_options import RunObserver
 from rai_missions.runtime.runner import Runner
 
 __all__ = (
-    "Branchable", "Ending", "OpenDecision", "Rollout", "answers_of", "rollout", "rollouts", "rules_of",
+    "ROLLOUT_METHODS", "ROLLOUT_NEEDS", "Branchable", "Ending", "OpenDecision", "Rollout", "answers_of", "rollout",
+    "rollouts", "rules_of",
 )  # fmt: skip
 
 Ending = Literal["mission", "harm", "question", "time"]
@@ -63,6 +64,12 @@ class Branchable(Protocol):
 
     def work_done(self) -> float:
         """How much of its work is done, 0 to 1."""
+
+
+ROLLOUT_METHODS = ("branch", "harm", "measures", "work_done")
+"""The methods that a world needs for rollouts, and for nothing else."""
+ROLLOUT_NEEDS = f"{', '.join(ROLLOUT_METHODS[:-1])} and {ROLLOUT_METHODS[-1]}"
+"""The same, in words."""
 
 
 @runtime_checkable

@@ -28,7 +28,7 @@ from rai_missions.campaign.records import (
     SceneRecord,
     UnlabelledScene,
 )
-from rai_missions.campaign.rollout import answers_of, rollouts
+from rai_missions.campaign.rollout import ROLLOUT_NEEDS, answers_of, rollouts
 from rai_missions.campaign.scene_spec import later_of
 from rai_missions.campaign.store import ResultStore
 from rai_missions.errors import MissionError, UsageError
@@ -145,10 +145,8 @@ class Workplace:
         if self._asker.file.labels != "rollouts":
             return
         if asked.decision is None:
-            needs = "branch, harm, measures and work_done"
-            yield UnlabelledScene(
-                asked.scene.scene, f"nothing is rolled out in the world '{asked.scene.world}': that needs {needs}"
-            )
+            why = f"nothing is rolled out in the world '{asked.scene.world}': that needs {ROLLOUT_NEEDS}"
+            yield UnlabelledScene(asked.scene.scene, why)
             return
         wanted = self._asker.file.rollouts
         later = {**wanted.later, **later_of(asked.scene.spec)}

@@ -4,7 +4,10 @@
 from __future__ import annotations
 
 import json
+import sys
+from collections.abc import Callable
 from pathlib import Path
+from textwrap import indent
 from typing import Any
 
 import jsonschema
@@ -59,7 +62,7 @@ def faults(tmp_path: Path, words: dict[str, Any]) -> str:
     ({"scenes": {"world": "orchrd", "seeds": [1]}},
      "/scenes/world: there is no world 'orchrd'; did you mean 'orchard'?"),
     ({"labels": "trials", "scenes": {"world": "house", "seeds": [1]}},
-     "/labels: nothing tries options in the world 'house', but in: orchard; have rollouts"),
+     "/labels: nothing tries options in the world 'house', but in: orchard; have \"rollouts\""),
     ({"scenes": {"world": "orchard", "count": 10**9}}, "/scenes/count"),
     ({"rates": {"opnai": {"calls_per_minute": 9}}, "models": ["openai:gpt"], "scripts": {}},
      "/rates/opnai: 'rates' is about 'opnai', of which 'models' has none; did you mean 'openai'?"),
@@ -84,19 +87,56 @@ def test_scenes_have_one_source_and_names_of_their_own(tmp_path: Path, scenes: d
     assert fault in faults(tmp_path, {"scenes": scenes})
 
 
-def test_a_world_of_another_package_that_takes_no_seed_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "tubs.py").write_text("class Tub:\n    def __init__(self, warm: bool = False): ...\n")
-    (tmp_path / "tubs-1.0.dist-info").mkdir()
-    (tmp_path / "tubs-1.0.dist-info/METADATA").write_text("Metadata-Version: 2.1\nName: tubs\nVersion: 1.0\n")
-    (tmp_path / "tubs-1.0.dist-info/entry_points.txt").write_text("[rai_missions.worlds]\ntub = tubs:Tub\n")
-    monkeypatch.syspath_prepend(str(tmp_path))
-    scenes = {"world": "tub", "given": [{"scene": "a", "kind": "b", "seed": 1, "options": {"warm": True}}]}
-    assert faults(tmp_path, {"scenes": scenes, "labels": "rollouts", "models": ["rules"], "scripts": {}}) == (
+@pytest.fixture
+def tub(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
+    """Has another package offer the world `tub`, whose class has this body."""
+
+    def offer(body: str) -> None:
+        (tmp_path / "tubs.py").write_text(f"class Tub:\n{indent(body, '    ')}\n")
+        (tmp_path / "tubs-1.0.dist-info").mkdir()
+        (tmp_path / "tubs-1.0.dist-info/METADATA").write_text("Metadata-Version: 2.1\nName: tubs\nVersion: 1.0\n")
+        (tmp_path / "tubs-1.0.dist-info/entry_points.txt").write_text("[rai_missions.worlds]\ntub = tubs:Tub\n")
+        monkeypatch.syspath_prepend(str(tmp_path))
+        monkeypatch.delitem(sys.modules, "tubs", raising=False)
+
+    return offer
+
+
+TUB = {
+    "scenes": {"world": "tub", "given": [{"scene": "a", "kind": "b", "seed": 1}]},
+    "models": ["rules"],
+    "scripts": {},
+}
+
+
+def test_a_world_of_another_package_that_takes_no_seed_is_refused(tub: Callable[[str], None], tmp_path: Path) -> None:
+    tub("def __init__(self, warm: bool = False): ...")
+    assert faults(tmp_path, {**TUB, "labels": "none"}) == (
         "/scenes/world: the world 'tub' has no option 'seed'; there are: warm; a campaign gives each world the seed of "
         "its scene"
     )
+
+
+def test_labels_that_the_world_of_another_package_cannot_have_are_refused(
+    tub: Callable[[str], None], tmp_path: Path
+) -> None:
+    tub("def __init__(self, seed: int = 0): ...\ndef branch(self): ...\ndef measures(self): ...")
+    assert faults(tmp_path, {**TUB, "labels": "rollouts"}) == (
+        "/labels: nothing is rolled out in the world 'tub': its class lacks harm, work_done; add what it lacks, or "
+        'have "none"'
+    )
+    assert faults(tmp_path, {**TUB, "labels": "trials"}) == (
+        "/labels: nothing tries options in the world 'tub', but in: orchard; have \"none\""
+    )
+
+
+def test_a_world_of_another_package_with_all_that_rollouts_need_has_them(
+    tub: Callable[[str], None], tmp_path: Path
+) -> None:
+    tub("def __init__(self, seed: int = 0): ...\nbranch = harm = measures = work_done = print")
+    assert '; have "rollouts"' in faults(tmp_path, {**TUB, "labels": "trials"})
+    write(tmp_path / "bare.json", format=1, name="bare")
+    load_campaign(write_campaign(tmp_path, campaign_data() | TUB | {"labels": "rollouts"}))
 
 
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
