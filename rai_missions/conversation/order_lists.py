@@ -122,12 +122,14 @@ class OrderLists:
             at = begun + len(clause)
 
     def part(self, words: Sequence[str], view: StatusView) -> Part:
-        """What a part of a sentence means: orders or questions; empty for anything else.
+        """What a part of a sentence means: orders or questions; empty for anything else, and for a joint alone.
 
         Args:
             words: Of the part.
             view: The run.
         """
+        if list(words) in self._language.joints:
+            return ()
         for form in (list(words), self._language.imperative(words)):
             found = self._grammar.senses(form, view)
             if found and all(sense.kind in ("order", "question") for sense in found):

@@ -127,7 +127,7 @@ class OrderSide:
         self._put(JudgedOrder(STOP, utterance, "grammar", words, is_reported=is_idle))
         self._speaking.silence(is_total=True)
         asked = self.confirmation.request
-        self.confirmation.void("stop")
+        self.confirmation.void("stop", by_speaker=utterance.speaker)
         text = language.text("stop_no_run" if is_idle else "done_stop")
         if not is_idle and may(utterance.role, "resume", self._talk.settings):
             text = f"{text} {language.text('stop_more')}"

@@ -21,6 +21,7 @@ from rai_missions.conversation import (
     Order,
     OrderEnd,
     Output,
+    Speech,
     StatusView,
     TalkNote,
     Utterance,
@@ -264,6 +265,36 @@ def test_a_choice_a_condition_and_the_words_of_others_are_no_list(code: str, tex
         each.data["order"] for name in names for each in Robot(code, RUNNING).types(name)
     ]
     assert robot.steps == []
+
+
+@pytest.mark.parametrize(
+    ("code", "joint"),
+    [
+        ("en", "and"),
+        ("en", "then"),
+        ("en", "and then"),
+        ("en", "next"),
+        ("de", "und"),
+        ("de", "dann"),
+        ("de", "und dann"),
+    ],
+)
+def test_a_joint_at_the_beginning_changes_no_order(code: str, joint: str) -> None:
+    def spoken(text: str) -> list[str]:
+        dialogue = Dialogue(settings_in(code, PHRASES[code], PLACES[code]["place"]), RUNNING)
+        outputs = dialogue.on_utterance(Utterance(text, "operator", "terminal", at=2.0), RUNNING)
+        return [each.text for each in outputs if isinstance(each, Speech) and not each.report]
+
+    for order in (ORDERS[code]["cup"], f"{ORDERS[code]['cup']}, {ORDERS[code]['kitchen']}"):
+        assert spoken(f"{joint} {order}") == spoken(order)
+
+
+@pytest.mark.parametrize("code", languages())
+def test_the_yes_of_who_stopped_counts_for_what_was_read_back_with_the_stop(code: str) -> None:
+    robot = Robot(code, RUNNING)
+    robot.types(ORDERS[code]["cup"])
+    robot.types(f"{ORDERS[code]['stop']}, {ORDERS[code]['kitchen']}")
+    assert robot.types(YES[code]) == []  # it is not read back again
 
 
 @pytest.mark.parametrize("code", languages())
