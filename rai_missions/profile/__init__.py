@@ -8,7 +8,7 @@ root.
 from rai_missions.profile.connector_faults import connector_faults, field_faults, middleware_faults
 from rai_missions.profile.conversation import GRANTED, ORDERS, ConversationPolicy, OrderName
 from rai_missions.profile.convert import plain
-from rai_missions.profile.coverage import actions_of, commanded_names, missing, missing_tools
+from rai_missions.profile.coverage import actions_of, commanded_names, missing, missing_tools, missing_world
 from rai_missions.profile.entries import ActionEntry, ServiceEntry, TopicEntry
 from rai_missions.profile.files import (
     dump_profile,
@@ -57,6 +57,7 @@ __all__ = (
     "missing",
     "missing_anyway",
     "missing_tools",
+    "missing_world",
     "parse_profile",
     "plain",
     "profile_of",

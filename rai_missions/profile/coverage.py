@@ -21,7 +21,7 @@ from rai_missions.profile.receivers import SENT_WORDS, receiver_of
 from rai_missions.states.decision import Option
 from rai_missions.states.effects import Raise
 
-__all__ = ("actions_of", "commanded_names", "missing", "missing_tools")
+__all__ = ("actions_of", "commanded_names", "missing", "missing_tools", "missing_world")
 
 NOTHING: Mapping[str, str] = {}
 FITTING: Mapping[str, frozenset[str]] = {"integer": frozenset({"integer", "number"})}
@@ -66,6 +66,20 @@ def missing_tools(mission: Mission, robot: Robot) -> Iterator[Fault]:
 def actions_of(mission: Mission) -> frozenset[str]:
     """The names of the actions that a mission uses."""
     return frozenset(use.name for use in MissionIndex(mission).uses if use.sort == "action")
+
+
+def missing_world(mission: Mission, robot: Robot) -> Iterator[Fault]:
+    """A mission that needs a robot, and a profile without one: a program has to open it on the run's connector."""
+    connector = robot.connector
+    if connector["kind"] != "local" or "world" in connector:
+        return
+    needs = [f"the key '{name}'" for name, key in mission.blackboard.items() if key.source == "robot"]
+    needs += [f"the {use.sort} '{use.name}'" for use in MissionIndex(mission).uses]
+    if needs:
+        why = (
+            f"names no world, so {needs[0]} has no other side, unless a program opens one; add a 'world', or the 'kind'"
+        )
+        yield Fault("/connector", f'{why} that reaches the robot, as "ros2"')
 
 
 def commanded_names(mission: Mission, robot: Robot) -> frozenset[str]:

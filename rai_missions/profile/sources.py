@@ -86,7 +86,7 @@ class Source(SourceFields):
     """The field that counts, `pose.pose` or `ranges.0`; empty for the whole message, and for `data` of the simple
     messages of std_msgs."""
     json_: Bool = Field(default=False, alias="json")
-    """The field, or `data` where none is named, is JSON text; what it reports is the value."""
+    """The field, or `data` where none is named, is a text with JSON; the value is read from that JSON."""
     read: Read | None = Field(default=None, alias="as")
     """`pose` or `image`; left out, it follows from the type of the message."""
 

@@ -11,7 +11,9 @@ import pytest
 
 from rai_missions.errors import ConnectorError, DefinitionError, UsageError
 from rai_missions.guards import Compare
-from rai_missions.profile import Robot, dump_profile, load_profile, missing, parse_profile, terms
+from rai_missions.mission.mission import Mission
+from rai_missions.profile import Robot, dump_profile, load_profile, missing, missing_world, parse_profile, terms
+from rai_missions.states import Final
 from tests.profile.profiles import MISSION, PROFILE, altered, mission, robot
 
 
@@ -220,6 +222,16 @@ def test_a_result_is_renamed_and_made_plain() -> None:
 
 def test_a_robot_that_has_all_that_a_mission_uses_lacks_nothing() -> None:
     assert missing(mission(), robot()) == ()
+
+
+@pytest.mark.parametrize(("connector", "is_missing"), [
+    ({"kind": "local"}, True), ({"kind": "local", "world": "orchard"}, False), ({"kind": "ros2"}, False),
+])  # fmt: skip
+def test_a_profile_without_a_world_has_no_other_side(connector: dict[str, Any], is_missing: bool) -> None:
+    alone = Mission(name="alone", initial="done", states={"done": Final("succeeded")})
+    with_connector = robot().model_copy(update={"connector": connector})
+    assert [each.place for each in missing_world(mission(), with_connector)] == ["/connector"] * is_missing
+    assert not list(missing_world(alone, with_connector))
 
 
 def test_a_robot_without_anything_lacks_everything() -> None:

@@ -77,8 +77,15 @@ def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[Fil
     """A profile's name, that of its file where it has none, and what is wrong with it or lacks in it."""
     from rai_missions.agents.talk.settings import conversation_faults, conversation_oddities
     from rai_missions.check import FileFinding, Finding
-    from rai_missions.errors import DefinitionError
-    from rai_missions.profile import connector_faults, field_faults, load_whole_profile, missing, missing_tools  # slow
+    from rai_missions.errors import DefinitionError, Fault
+    from rai_missions.profile import (  # slow
+        connector_faults,
+        field_faults,
+        load_whole_profile,
+        missing,
+        missing_tools,
+        missing_world,
+    )
 
     try:
         profile = load_whole_profile(path, mission)
@@ -87,7 +94,10 @@ def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[Fil
     names = missing(mission, profile) if mission is not None else ()
     over = tuple(connector_faults(profile)) or field_faults(mission, profile)
     lacking = (*over, *names, *conversation_faults(profile, mission))
-    odd = (*conversation_oddities(profile, mission), *missing_tools(mission, profile)) if mission is not None else ()
+    odd: list[Fault] = []
+    if mission is not None:
+        odd += [*missing_world(mission, profile), *missing_tools(mission, profile)]
+        odd += conversation_oddities(profile, mission)
     findings = (*map(Finding.of, lacking), *(Finding(each.place, each.sentence, "warning") for each in odd))
     return profile.name or path, tuple(FileFinding(path, each) for each in findings)
 
