@@ -10,6 +10,7 @@ import os
 import re
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from inspect import iscoroutinefunction
 from pathlib import Path
 from typing import Annotated, Any, Protocol, Self, TypeVar, get_args, get_origin
 
@@ -316,7 +317,8 @@ def _misnamed(given: str, pattern: str) -> str:
 def check_given(given: object, kinds: type | tuple[type, ...], taker: str, wanted: str, remedy: str = "") -> None:
     """Refuse what is of no kind that a function takes.
 
-    True is no number, and a class is no instance of the protocol whose methods it has.
+    True is no number, and a class is no instance of the protocol whose methods it has. No method of a protocol is an
+    `async def`: nothing awaits it.
 
     Args:
         given: What a program gave.
@@ -332,6 +334,11 @@ def check_given(given: object, kinds: type | tuple[type, ...], taker: str, wante
     if not _is_of(given, kinds):
         what = f"; {remedy}" if remedy else uncalled(given) or _lacking(given, kinds)
         raise UsageError(f"{taker} takes {wanted}, not {shown(given)}{what}")
+    if name := _async_member(given, kinds):
+        where = f"{type(given).__name__}.{name}"
+        raise UsageError(
+            f"{taker} takes {wanted} whose calls are not awaited: write `def`, not `async def`, for {where}"
+        )
 
 
 def _is_of(given: object, kinds: tuple[type, ...]) -> bool:
@@ -350,6 +357,12 @@ def _lacking(given: object, kinds: tuple[type, ...]) -> str:
     asked = (name for each in kinds if is_protocol(each) for name in get_protocol_members(each))
     lacks = sorted(name for name in asked if not hasattr(given, name))
     return f"; it has no {', '.join(lacks)}" if lacks and hasattr(given, "__dict__") else ""
+
+
+def _async_member(given: object, kinds: tuple[type, ...]) -> str:
+    """The first method of a protocol that an object has as an `async def`; empty for none."""
+    members = (name for each in kinds if is_protocol(each) for name in sorted(get_protocol_members(each)))
+    return next((name for name in members if iscoroutinefunction(getattr(given, name, None))), "")
 
 
 def check_seconds(given: object, taker: str) -> None:

@@ -186,6 +186,23 @@ class HalfConnector:
     def stop(self) -> None: ...
 
 
+class AsyncConnector(LocalConnector):
+    async def call(self, *args: Any, **words: Any) -> None: ...  # type: ignore[override]
+
+
+class AsyncAnswerer:
+    async def ask(self, question: Any, answer: Any) -> None: ...
+    def withdraw(self, number: int) -> None: ...
+
+
+def test_an_async_method_that_nothing_awaits_is_refused() -> None:
+    remedy = "whose calls are not awaited: write `def`, not `async def`, for"
+    with pytest.raises(UsageError, match=rf"connector takes a connector {remedy} AsyncConnector\.call$"):
+        run(MISSION, connector=AsyncConnector())
+    with pytest.raises(UsageError, match=rf"takes an answerer {remedy} AsyncAnswerer\.ask$"):
+        run(MISSION, answerers={"agent": AsyncAnswerer()})
+
+
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [
