@@ -44,6 +44,14 @@ def test_what_has_no_answer_exits_with_1(folder: str, capsys: pytest.CaptureFixt
     assert capsys.readouterr().out == "The documents have no answer: they have nothing about painted, mona, lisa.\n"
 
 
+def test_a_question_to_a_folder_that_is_no_identity_warns(folder: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["whoami", "ask", folder, "Which tyres?"]) == 0
+    assert "description.md" not in capsys.readouterr().err
+    Path(folder, "description.md").unlink()
+    assert main(["whoami", "ask", folder, "Which tyres?"]) == 0
+    assert f"{folder} has no description.md, so a run takes it for no identity; all its" in capsys.readouterr().err
+
+
 def test_a_bad_document_is_named_and_the_others_are_built(folder: str, capsys: pytest.CaptureFixture[str]) -> None:
     (Path(folder) / "bad.txt").write_bytes(b"\xff")
     assert main(["whoami", "build", folder, "--index", f"{folder}/x.index"]) == 2

@@ -82,6 +82,13 @@ def _build(library: Library) -> int:
 
 
 def _ask(library: Library, question: str, count: int) -> int:
+    from rai_missions.cli.inputs import warn
+    from rai_missions.embodiment.folder import DESCRIPTION
+
+    if library.folder.is_dir() and not (library.folder / DESCRIPTION).exists():
+        warn(
+            f"{library.folder} has no {DESCRIPTION}, so a run takes it for no identity; all its documents are searched"
+        )
     found = library.recall(question, count)
     _warn_of_words_alone(found.is_by_meaning)
     print(found.words())
