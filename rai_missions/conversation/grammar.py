@@ -133,7 +133,7 @@ class Grammar:
         parts = normaliser.parts(text)
         whole = [normaliser.words(each) for each in parts[1:-1] if len(parts) <= MOST_PARTS]
         clauses = [normaliser.words(each) for each in normaliser.clauses(text)]
-        is_on_condition = any(words[:1] == [each] for each in self.language.data["conditions"] for words in clauses[:1])
+        is_on_condition = any(map(self.language.conditions.begin, clauses[:1]))
         edges = [*clauses[:1], *whole, *([] if is_on_condition else clauses[1:][-1:])]
         return [list(once(normaliser.bare(words, called(view.robot)))) for words in edges]
 

@@ -58,6 +58,9 @@ class Language(LanguageTexts):
         self.question_senses = self._named_phrases("question_senses")
         self.option_senses, self.advising = self._named_phrases("option_senses"), self._phrases("advising")
         self.statement, self.wish = self._phrases("statement"), self._phrases("wish")
+        self.conditions = self._phrases("conditions")
+        self._stating = frozenset(self.parts["verb"].split("|"))
+        self._no_order_after, self._quoting = frozenset(data["no_order_after"]), frozenset(data["quoting"])
         names = ("order_joints", "reversing_joints", "before_openings")
         order_joints, self.reversing_joints, self.before_openings = map(self._each_way, names)
         self.joints = sorted(order_joints + self.reversing_joints, key=len, reverse=True)
@@ -110,6 +113,20 @@ class Language(LanguageTexts):
                 begun, _, end = form.partition("…")
                 return [*begun.split(), *rest, *end.split()]
         return list(words)
+
+    def may_quote(self, text: str) -> bool:
+        """Whether a text may have the words of others: in quotation marks, or behind a colon."""
+        return QUOTING in text or self.normaliser.is_quoting(text)
+
+    def may_order_behind(self, words: Sequence[str], *, is_addressed: bool = False) -> bool:
+        """Whether an order may begin behind words without a comma: `my cup is gone find it`, but not `I have to`.
+
+        Args:
+            words: Ahead of it, of its clause.
+            is_addressed: Whether the robot is addressed; if not, they must be a statement.
+        """
+        is_free = bool(words) and words[-1] not in self._no_order_after and self._quoting.isdisjoint(words)
+        return is_free and (is_addressed or not self._stating.isdisjoint(words))
 
     def own_phrases(self, phrases: Iterable[str]) -> Phrases:
         """Phrases of a robot's profile: each word as a sentence has it once it is read, in lower case and written out.

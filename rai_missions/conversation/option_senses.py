@@ -9,13 +9,16 @@ Rule: an option that is found by sense is read back, and nothing is found in a q
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 
-from rai_missions.conversation.language import QUOTING, Language, spoken
+from rai_missions.conversation.language import Language, language, languages, spoken
 from rai_missions.conversation.word_slips import nearest
 from rai_missions.engine.decision import Offer
 
 __all__ = ("OptionSenses",)
 
+MOST_OFFERS = 100
+"""Options whose senses are remembered."""
 LONGEST_ADVISING = 5
 """Words of the longest phrase ahead of what is advised: `you would do better to`."""
 
@@ -30,7 +33,7 @@ class OptionSenses:
     def __init__(self, language: Language) -> None:
         self._language, data = language, language.data
         self._senses, self._advising = language.option_senses, language.advising
-        self._conditions, self._joints = frozenset(data["conditions"]), frozenset(data["clause_joints"])
+        self._joints, self._senses_of = frozenset(data["clause_joints"]), lru_cache(MOST_OFFERS)(_senses_of)
         self._negations = frozenset(data["claims"]["negations"])
         self._requesting = frozenset(data["requesting"])
         self._known = frozenset().union(*(each.words for each in self._senses.values()))
@@ -45,11 +48,11 @@ class OptionSenses:
         """
         clauses = [words for each in self._language.normaliser.remarks(text) if (words := self._words(each))]
         is_asked = text.rstrip().endswith("?") and not any(self._requesting & set(words) for words in clauses)
-        is_open = any(words[0] in self._conditions or self._language.no.fits(words) for words in clauses)
-        if is_asked or is_open or QUOTING in text:
+        is_open = any(self._language.conditions.begin(words) or self._language.no.fits(words) for words in clauses)
+        if is_asked or is_open or self._language.may_quote(text):
             return []
         meant = {name for words in clauses for name in self._advised(words)}
-        return [offer for offer in options if meant & self._senses_of(offer)]
+        return [offer for offer in options if meant & self._senses_of(offer.name, offer.about)]
 
     def _words(self, clause: str) -> list[str]:
         words = self._language.normaliser.words(clause)
@@ -68,18 +71,31 @@ class OptionSenses:
                 yield from (name for name, each in self._senses.items() if each.begin(words[at:]))
 
     def _may_begin(self, words: Sequence[str], at: int) -> bool:
-        """Whether what is advised may begin at a word: ahead of all others, or after words that advise."""
+        """Whether what is advised may begin at a word: ahead of others, behind a statement, or behind what advises."""
         before = words[:at]
         if self._negations & set(before):
             return False
         if not before or before[-1] in self._joints or list(before) in self._language.normaliser.lead:
             return True
+        if self._language.yes.fits(before) or self._language.may_order_behind(before):
+            return True
         return any(self._advising.fits(before[-size:]) for size in range(1, min(len(before), LONGEST_ADVISING) + 1))
 
-    def _senses_of(self, offer: Offer) -> frozenset[str]:
-        """The senses of the first that has any: an option's name, the first part of its `about`, all of it."""
-        for text in (spoken(offer.name), offer.about.partition(",")[0], offer.about):
-            words = self._language.normaliser.words(text)
-            if found := frozenset(name for name, each in self._senses.items() if each.within(words)):
-                return found
-        return frozenset()
+
+def _senses_of(name: str, about: str) -> frozenset[str]:
+    """The senses of an option's name and of the first part of its `about`, or else of all of it.
+
+    A mission's texts are in its author's language, which need not be that of the person.
+    """
+    known = [language(code) for code in languages()]
+    texts = (f"{spoken(name)}, {about.partition(',')[0]}", about)
+    found = (
+        frozenset(sense for text in given.split(", ") for each in known for sense in _within(text, each))
+        for given in texts
+    )
+    return next(filter(None, found), frozenset())
+
+
+def _within(text: str, language: Language) -> Iterator[str]:
+    words = language.normaliser.words(text)
+    return (name for name, each in language.option_senses.items() if each.within(words))

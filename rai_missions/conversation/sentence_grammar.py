@@ -123,6 +123,17 @@ class SentenceGrammar:
         going = self.language.data["going"]
         return self._phrases.begin(words) or (words[0] in going and self._phrases.begin(words[1:]))
 
+    def orders(self, words: list[str], view: StatusView) -> list[Sense]:
+        """The orders of the language that words are.
+
+        What may start as well as resume, `off you go`, resumes a run that has begun, and starts one that has not.
+        """
+        found = [Sense("order", name) for name, each in self.language.orders.items() if each.fits(words)]
+        starts = self._starts.senses(words, view) if self.language.start.fits(words) else []
+        if Sense("order", "resume") in found and view.is_alive and not view.is_before_start:
+            return found
+        return [*(each for each in found if each.name != "resume" or not starts), *starts]
+
     def begins_an_order(self, words: Sequence[str]) -> bool:
         """Whether the words begin with a phrase of an order."""
         return self.begins_a_start(words) or any(each.begin(words) for each in self.language.orders.values())
@@ -253,10 +264,9 @@ class SentenceGrammar:
             return (STOP,)
         found = [Sense("yes")] if language.yes.fits(words) else [Sense("no")] if language.no.fits(words) else []
         found += self._answers.senses(words, view)
-        found += [Sense("order", name) for name, each in language.orders.items() if each.fits(words)]
+        found += self.orders(words, view)
         found += [Sense("again")] if language.again.fits(words) else []
         found += self._phrased(words, view)
-        found += self._starts.senses(words, view)
         if is_fault(found):  # `go to the kitchen instead` has no place of that name in it
             found = [each for each in self._corrected(words, view, draft) if each.kind == "order"] or found
         found = found or self._corrected(words, view, draft)

@@ -211,8 +211,8 @@ class SentenceSide:
         is_filled = all(each.lacks and values.issuperset(each.lacks) for each in faults)
         if not senses or not (is_filled or (orders and all(order.name != "start" for order in orders))):
             return ()
-        is_order = senses[-1].kind == "order"
-        return self._answerable(senses) if not is_order or self._is_possible(senses[-1], utterance) else ()
+        is_allowed = not any(forbidden(sense, utterance.role, self._talk.settings) for sense in senses)
+        return self._answerable(senses) if is_allowed else ()
 
     def _answered_by_sense(self, text: str, role: Role) -> tuple[Sense, ...]:
         """The options that a typed sentence asks for in words of its own, where its role may answer."""

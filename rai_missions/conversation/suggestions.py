@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from rai_missions.conversation.language import QUOTING
 from rai_missions.conversation.senses import FAULT, STOP, Sense, is_fault, joined
 from rai_missions.conversation.sentence_grammar import SentenceGrammar
 from rai_missions.conversation.state_answers import ALWAYS
@@ -38,18 +37,17 @@ class Suggestions:
     def __init__(self, grammar: SentenceGrammar) -> None:
         self._grammar, self._language = grammar, grammar.language
         data = self._language.data
-        self._conditions, self._pronouns = frozenset(data["conditions"]), frozenset(data["thing_pronouns"])
+        self._pronouns = frozenset(data["thing_pronouns"])
         self._articles, self._ends = self._language.articles, frozenset(data["thing_ends"])
         self._determiners = self._articles | frozenset(data["owners"])
         self._fillers = frozenset(data["fillers"])
         self._openings = frozenset(map(tuple, self._language.normaliser.lead))
         self._joints, self._addressed = frozenset(data["clause_joints"]), frozenset(data["addressed"])
-        self._addressing, self._no_order_after = frozenset(data["addressing"]), frozenset(data["no_order_after"])
+        self._addressing = frozenset(data["addressing"])
         self._unordered = frozenset([*data["claims"]["negations"], *data["quoting"]])
         self._requesting = frozenset(data["requesting"])
         self._place_joints: Sequence[str] = data["place_joints"]
         self._place_pronouns = sorted((each.split() for each in data["place_pronouns"]), key=len, reverse=True)
-        self._verbs = frozenset(self._language.parts["verb"].split("|"))
         self._asking = frozenset(data["asking"]) - self._requesting
 
     def suggested(self, text: str, view: StatusView) -> tuple[Sense, ...]:
@@ -61,7 +59,7 @@ class Suggestions:
             text: The sentence, as it was received, which means nothing as a whole, or has values that do not fit.
             view: The run.
         """
-        clauses = self._joined(list(self._clauses(text)), view) if QUOTING not in text else []
+        clauses = [] if self._language.may_quote(text) else self._joined(list(self._clauses(text)), view)
         if len(clauses) > MOST_CLAUSES or any(self._is_conditional(words, view) for words in clauses):
             return ()
         orders, others = dict[str, tuple[Sense, ...]](), list[Sense]()
@@ -86,13 +84,13 @@ class Suggestions:
 
     def _is_conditional(self, words: list[str], view: StatusView) -> bool:
         """Whether a clause is a condition, and nothing by itself as `if not, go home` is."""
-        return words[0] in self._conditions and not self._grammar.senses(words, view)
+        return self._language.conditions.begin(words) and not self._grammar.senses(words, view)
 
     def _joined(self, clauses: list[list[str]], view: StatusView) -> list[list[str]]:
         """The clauses; two that are an order together are one: `it would be nice, if you went home`."""
         made = list[list[str]]()
         for words in clauses:
-            is_second = bool(made) and words[0] in self._conditions
+            is_second = bool(made) and self._language.conditions.begin(words)
             is_joined = is_second and bool(_order(self._grammar.senses([*made[-1], *words], view)))
             made.append([*made.pop(), *words] if is_joined else words)
         return made
@@ -179,14 +177,14 @@ class Suggestions:
         is_request = bool(self._requesting & set(words))
         if self._unordered & set(words) or words[0] in self._asking or (is_question and not is_request):
             return ()
-        before = [at and words[at - 1] for at, word in enumerate(words) if word not in self._fillers]
+        behind = [words[:at] for at, word in enumerate(words) if word not in self._fillers]
         words, found, at = self._language.normaliser.spoken(words), dict[str, Sense](), 0
         while at < len(words):
-            is_free = at > 0 and before[at] not in self._no_order_after
-            may_begin = at == 0 or (is_free and (is_addressed or bool(self._verbs & set(words[:at]))))
+            is_free = self._language.may_order_behind(behind[at], is_addressed=True)
+            may_begin = at == 0 or self._language.may_order_behind(behind[at], is_addressed=is_addressed)
             sense, size = self._longest(words[at:], view) if may_begin else (None, 0)
             if sense is None and may_begin:
-                sense, size = self._ordered(words[at:])
+                sense, size = self._ordered(words[at:], view)
             if sense is None and is_free:
                 sense, size = self._about_earlier(words, at, view)
             if sense is not None:
@@ -194,15 +192,14 @@ class Suggestions:
             at += size or 1
         return tuple(found.values()) if len(found) == 1 else ()
 
-    def _ordered(self, words: list[str]) -> tuple[Sense | None, int]:
+    def _ordered(self, words: list[str], view: StatusView) -> tuple[Sense | None, int]:
         """The longest order of the language that the words begin with, where at most another clause is behind it."""
         for size in range(min(len(words), LONGEST_ORDER), 0, -1):
             if size < len(words) and not self._grammar.begins_a_clause(words[size]):
                 continue
-            bare = self._language.normaliser.bare(words[:size])
-            for name, phrases in self._language.orders.items():
-                if phrases.fits(bare):
-                    return Sense("order", name), size
+            found = self._grammar.orders(self._language.normaliser.bare(words[:size]), view)
+            if _order(found):
+                return found[0], size
         return None, 0
 
     def _about_earlier(self, words: list[str], at: int, view: StatusView) -> tuple[Sense | None, int]:
@@ -227,7 +224,7 @@ class Suggestions:
         """Whether a start has all words of its values, its texts name things, and nothing behind it changes it."""
         texts = [self._language.without_articles(text.split()) for text in self._grammar.open_texts(sense)]
         are_things = all(0 < len(words) <= LONGEST_THING and not self._ends & set(words) for words in texts)
-        is_open = bool(rest) and rest[0] in self._conditions | {self._language.text("or")}
+        is_open = self._language.conditions.begin(rest) or rest[:1] == [self._language.text("or")]
         return are_things and not is_open and self._grammar.is_complete(sense, rest)
 
     def _things_of(self, clauses: Sequence[list[str]]) -> list[list[str]]:

@@ -17,6 +17,15 @@ CODES = tuple(STORED)
 ANSWERS = [
     (code, option, text) for code in CODES for option, texts in STORED[code]["answers"].items() for text in texts
 ]
+CLAUSES = [(code, option, text) for code, option, text in ANSWERS if not re.search(r"[,.] \w", text)]
+FACTS = {
+    "en": ("That is only a branch", "The gate is open now", "It should be free by now", "I have the keys"),
+    "de": ("Das ist bloß Laub", "Die Tür ist jetzt offen", "Ich habe den Schlüssel"),
+}
+OF_OTHERS = {
+    "en": ("My brother always has it: {}", 'She thinks "{}" is best', "Old Tom mumbled '{}' all day"),
+    "de": ("Mein Bruder sagte: {}", 'Er findet "{}" am besten', "Opa murmelte '{}' vor sich hin"),
+}
 MOST_READ_BACK = 0.02
 """The share of other talk that may be read back as an answer."""
 
@@ -33,9 +42,9 @@ def asking(options: Mapping[str, str]) -> StatusView:
     )
 
 
-def outputs(code: str, *sentences: str) -> tuple[Output, ...]:
-    """What goes out at the last of some typed sentences, while a question is open."""
-    view, found = asking(STORED[code]["options"]), tuple[Output, ...]()
+def outputs(code: str, *sentences: str, options: str = "") -> tuple[Output, ...]:
+    """What goes out at the last of some typed sentences, while a question is open, with options of a language."""
+    view, found = asking(STORED[options or code]["options"]), tuple[Output, ...]()
     dialogue = Dialogue(Settings(language=code), view)
     for at, text in enumerate(sentences, start=1):
         found = dialogue.on_utterance(Utterance(text, "operator", "terminal", at=float(at)), view)
@@ -55,6 +64,32 @@ def test_nothing_is_an_answer_behind_a_condition_or_a_negation(code: str, before
     for text in clauses:
         options = [each.data["order"].get("option") for each in outputs(code, f"{before} {text}") if is_read_back(each)]
         assert not options, text
+
+
+@pytest.mark.parametrize(("code", "option", "text"), CLAUSES)
+def test_a_fact_next_to_an_answer_leaves_it_one(code: str, option: str, text: str) -> None:
+    for fact in FACTS[code]:
+        for sentence in (f"{fact}, {text}", f"{text.rstrip('.!')}, {fact}."):
+            assert answered(outputs(code, sentence)) == [option], sentence
+
+
+@pytest.mark.parametrize(("code", "option", "text"), CLAUSES)
+def test_the_words_of_others_are_no_answer(code: str, option: str, text: str) -> None:
+    for form in OF_OTHERS[code]:
+        assert answered(outputs(code, form.format(text))) == [], form
+
+
+@pytest.mark.parametrize(("code", "option", "text"), ANSWERS)
+def test_an_answer_may_be_in_another_language_than_the_options(code: str, option: str, text: str) -> None:
+    place = list(STORED[code]["options"]).index(option)
+    for other in set(CODES) - {code}:
+        assert answered(outputs(code, text, options=other)) == [list(STORED[other]["options"])[place]]
+
+
+def answered(outputs: tuple[Output, ...]) -> list[str]:
+    """The options that are read back; none may be given out."""
+    assert not any(isinstance(each, Order) for each in outputs)
+    return [each.data["order"].get("option") for each in outputs if is_read_back(each)]  # type: ignore[union-attr]
 
 
 def is_read_back(output: Output) -> bool:

@@ -11,9 +11,11 @@ from rai_missions.conversation import (
     Dialogue,
     Output,
     Speech,
+    TalkNote,
     Utterance,
 )
 from rai_missions.conversation.language import language, languages
+from rai_missions.engine.modes import Mode
 from rai_missions.event import Role
 from tests.conversation.stored import ASSISTING, SENTENCES, read_back, settings_in
 
@@ -129,6 +131,30 @@ def test_a_question_between_other_talk_is_answered(code: str, text: str) -> None
     assert answers[0] == answers[1] != []
 
 
+RESUMED = {"en": ("carry on", "off you go", "get on with it", "back to work"), "de": ("mach weiter", "weiter geht es")}
+
+
+@pytest.mark.parametrize(("mode", "is_possible"), [("running", False), ("paused", True)])
+@pytest.mark.parametrize("code", languages())
+def test_an_order_next_to_a_fact_that_is_not_possible_now_is_answered_with_why(
+    code: str, mode: Mode, is_possible: bool
+) -> None:
+    view = ASSISTING._replace(mode=mode)
+    for talk, order in product(TALK[code], RESUMED[code]):
+        outputs = dialogue_in(code).on_utterance(Utterance(f"{talk}, {order}.", "operator", "terminal"), view)
+        notes = [(each.kind, each.data.get("order")) for each in outputs if isinstance(each, TalkNote)]
+        expected = ("read_back", {"order": "resume"}) if is_possible else ("refused", "resume")
+        assert expected in notes, (talk, order)
+
+
+@pytest.mark.parametrize("code", languages())
+def test_an_order_in_quotation_marks_is_none(code: str) -> None:
+    for talk, order in product(TALK[code], ORDERS[code]):
+        for form in ('{talk}, "{order}"', "{talk}, '{order}.'", "{talk}. „{order}“"):
+            text = form.format(talk=talk, order=order)
+            assert read_back(replies(text, code)) == [], text
+
+
 @pytest.mark.parametrize("code", languages())
 def test_talk_without_an_order_in_it_has_none_suggested(code: str) -> None:
     assert [each for each in SENTENCES["talk"][code] if read_back(replies(each, code))] == []
@@ -142,7 +168,6 @@ def test_talk_without_an_order_in_it_has_none_suggested(code: str) -> None:
         "thing_pronouns",
         "thing_ends",
         "asking",
-        "conditions",
         "fillers",
         "addressed",
         "articles",

@@ -21,7 +21,8 @@ SHORTEST_SLIP = 4
 """Letters of the shortest word that may lack a letter, or have one twice; in a shorter one two may be exchanged."""
 Cut = Callable[[str, int], str]
 """Cuts a text to a number of characters."""
-QUOTES = re.compile(r"[\"“”„«»]")
+QUOTES = re.compile(r"[\"“”„«»]|(?<!\w)'(?=\w).*[\w.,!?]'(?!\w)")
+"""Words of others, but for `'em` and `the boys' room`, each of which has one sign."""
 SENTENCES = re.compile(r"(?<=[.!?;])\s+")
 CLAUSES = re.compile(r"(?<=[.!?;,:])\s+|\s[-–—]+\s")
 TOKEN = re.compile(r"\d+(?:st|nd|rd|th)\b|-?\d+(?:[.,]\d+)*|[^\W\d_]+(?:'[^\W\d_]+)*|[^\W_]+|[@&]")
@@ -145,6 +146,10 @@ class Normaliser:
                 words = words[: -len(each)]
         return words
 
+    def is_quoting(self, text: str) -> bool:
+        """Whether a text has words in quotation marks."""
+        return QUOTES.search(readable(text, by=self._cut)) is not None
+
     def parts(self, text: str) -> list[str]:
         """The sentences of an utterance; one alone where it quotes or reports the words of others."""
         return self._split(text, SENTENCES, self._reporting)
@@ -158,7 +163,7 @@ class Normaliser:
         return self._split(text, CLAUSES, self._quoting)
 
     def _split(self, text: str, at: re.Pattern[str], reporting: frozenset[str]) -> list[str]:
-        if QUOTES.search(text) or reporting & set(self.words(text)):
+        if self.is_quoting(text) or reporting & set(self.words(text)):
             return [text]
         return [each for each in at.split(text.strip()) if each]
 
