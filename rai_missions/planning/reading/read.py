@@ -23,6 +23,7 @@ from rai_missions.planning.reading.reading import RequestReading
 from rai_missions.planning.reading.rewrites import rewritten
 from rai_missions.planning.reading.symbols import ENDS, LONGEST_REQUEST, MOST_WORDS, Symbol, symbols
 from rai_missions.planning.reading.things import Things
+from rai_missions.planning.reading.unknown import unknown_text
 from rai_missions.planning.reading.wishes import wishes_of
 from rai_missions.planning.relations import at_first_poses
 from rai_missions.planning.scene import CONTAINERS, Scene
@@ -143,7 +144,7 @@ def _with_offer(attempt: _Attempt, scene: Scene) -> RequestReading:
 
 
 def _read_symbols(found: list[Symbol], scene: Scene, words: Vocabulary) -> RequestReading:
-    plain, is_sure = _plain(found, words)
+    plain, is_sure = _plain(found, words, scene)
     ways = list(wishes_of(plain, words))
     meant = [_meant(way, wishes, scene, words) for way, wishes in ways]
     goals = dict[Hashable, Goal]()
@@ -160,7 +161,7 @@ def _read_symbols(found: list[Symbol], scene: Scene, words: Vocabulary) -> Reque
     return offered.model_copy(update={"question": question, "about": question, "reason": "absent"})
 
 
-def _plain(found: list[Symbol], words: Vocabulary) -> tuple[list[Symbol], bool]:
+def _plain(found: list[Symbol], words: Vocabulary, scene: Scene) -> tuple[list[Symbol], bool]:
     """The symbols without what only leads to a question, and whether there was none of that.
 
     Raises:
@@ -177,7 +178,7 @@ def _plain(found: list[Symbol], words: Vocabulary) -> tuple[list[Symbol], bool]:
     _refuse_forbidden(found, words)
     found = _taken_out(found, words)
     if unknown := next((symbol for symbol in found if symbol.kind in ("unknown", "forbidden")), None):
-        raise Unread("unknown_word", words.text("unknown_word", unknown.text))
+        raise Unread("unknown_word", unknown_text(found, found.index(unknown), scene, words))
     if _is_part_of_place([symbol for symbol in found if symbol.kind not in ("the", "a")]):
         raise Unread("coordinates", words.text("coordinates"))
     plain = [symbol for symbol in found if symbol.kind != "sorted"]

@@ -101,7 +101,7 @@ def symbols(request: str, lexicon: Vocabulary) -> list[Symbol]:
         found.append(symbol)
         at += count
     found = list(_measured(_off_desk(_unbracketed(_unnumbered(found))), lexicon.data["measured"]))
-    found = list(_asking(found, lexicon.data))
+    found = list(_asking(_excepting(found), lexicon.data))
     found = _with_sides_last(_owned(found))
     found = _compared(_without_noise(_with_other_wishes(found)))
     return _without_contrast(_clearing(found), lexicon.data["contrast"])
@@ -240,6 +240,15 @@ def _owned(found: Sequence[Symbol]) -> list[Symbol]:
         is_shift = begun > 0 and kept[begun - 1].kind == "number" and before.kind == "the"
         kept[begun:] = [symbol] if is_shift else [placed, *owner]
     return kept
+
+
+def _excepting(found: Sequence[Symbol]) -> list[Symbol]:
+    """Without the `but` ahead of a word of exception: `the cubes, but without the red one`."""
+    return [
+        symbol
+        for symbol, after in zip_longest(found, found[1:])
+        if after is None or after.kind != "except" or (symbol.kind != "then" and symbol.value != "but")
+    ]
 
 
 def _with_sides_last(found: list[Symbol]) -> list[Symbol]:

@@ -87,3 +87,22 @@ def test_what_is_taken_back_is_no_goal_and_a_whole_wish_after_it_is() -> None:
 def test_who_is_addressed_formally_is_not_what_is_put() -> None:
     assert goal_of("Legen Sie den Apfel aufs Tablett") == IN_TRAY
     assert goal_of("Nehmen Sie bitte den Apfel und legen Sie ihn aufs Tablett") == IN_TRAY
+
+
+@given(WORDS)
+def test_a_word_where_a_thing_is_named_is_asked_about_as_one(word: str) -> None:
+    for text in (f"put {word} on the tray", f"put the apple on {word}", f"leg den {word} in den Eimer"):
+        found = reading_of(text, FLAT)
+        assert (found.goal, found.reason, found.candidates) == (None, "unknown_word", ())
+        assert word in found.question and "red cube" in found.question
+
+
+@pytest.mark.parametrize(
+    ("text", "goal"),
+    [("the fruit is for the bin, but without the apple", None),
+     ("everything in the tray, but without the cubes and the carrot", IN_TRAY),
+     ("alles aufs Tablett, aber ohne die Würfel und die Karotte", IN_TRAY),
+     ("the tray is for fruit", IN_TRAY), ("das Tablett bekommt den Apfel", IN_TRAY)],
+)  # fmt: skip
+def test_what_is_left_out_and_what_a_container_is_for(text: str, goal: list[dict[str, object]] | None) -> None:
+    assert goal_of(text) == goal
