@@ -10,6 +10,7 @@ import os
 import re
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from inspect import iscoroutinefunction
 from pathlib import Path
 from typing import Annotated, Any, Protocol, Self, TypeVar, get_args, get_origin
@@ -331,6 +332,8 @@ def check_given(given: object, kinds: type | tuple[type, ...], taker: str, wante
         UsageError: It is of none.
     """
     kinds = kinds if isinstance(kinds, tuple) else (kinds,)
+    if given.__class__ in kinds:  # as most are; a chart looks at each event that is not quick
+        return
     if not _is_of(given, kinds):
         what = f"; {remedy}" if remedy else uncalled(given) or _lacking(given, kinds)
         raise UsageError(f"{taker} takes {wanted}, not {shown(given)}{what}")
@@ -344,25 +347,31 @@ def check_given(given: object, kinds: type | tuple[type, ...], taker: str, wante
 def _is_of(given: object, kinds: tuple[type, ...]) -> bool:
     if isinstance(given, bool):
         return bool in kinds
-    return any(_has_members(given, each) if is_protocol(each) else isinstance(given, each) for each in kinds)
+    return any(_has_members(given, each) if _members(each) else isinstance(given, each) for each in kinds)
+
+
+@cache
+def _members(kind: type) -> tuple[str, ...]:
+    """What a protocol names, sorted; empty for any other class."""
+    return tuple(sorted(get_protocol_members(kind))) if is_protocol(kind) else ()
 
 
 def _has_members(given: object, protocol: type) -> bool:
     """Whether an instance has what a protocol names; `isinstance` looks past a `__getattr__` from Python 3.12 on."""
-    return not isinstance(given, type) and all(hasattr(given, name) for name in get_protocol_members(protocol))
+    return not isinstance(given, type) and all(hasattr(given, name) for name in _members(protocol))
 
 
 def _lacking(given: object, kinds: tuple[type, ...]) -> str:
     """`; it has no start, stop` for an object of a program that has some of a protocol; empty for all else."""
-    asked = (name for each in kinds if is_protocol(each) for name in get_protocol_members(each))
+    asked = (name for each in kinds for name in _members(each))
     lacks = sorted(name for name in asked if not hasattr(given, name))
     return f"; it has no {', '.join(lacks)}" if lacks and hasattr(given, "__dict__") else ""
 
 
 def _async_member(given: object, kinds: tuple[type, ...]) -> str:
     """The first method of a protocol that an object has as an `async def`; empty for none."""
-    members = (name for each in kinds if is_protocol(each) for name in sorted(get_protocol_members(each)))
-    return next((name for name in members if iscoroutinefunction(getattr(given, name, None))), "")
+    asked = (name for each in kinds for name in _members(each))
+    return next((name for name in asked if iscoroutinefunction(getattr(given, name, None))), "")
 
 
 def check_seconds(given: object, taker: str) -> None:
