@@ -19,7 +19,7 @@ from rai_missions.conversation.names import option_place
 from rai_missions.conversation.order_rules import forbidden, is_request, may, must_confirm, why_not_now
 from rai_missions.conversation.order_side import LONGEST_REASON, SPEAKERS, EarlierOrder, OrderSide, remember
 from rai_missions.conversation.outputs import TalkTurn
-from rai_missions.conversation.senses import Sense, joined
+from rai_missions.conversation.senses import Sense, is_fault, joined
 from rai_missions.conversation.settings import ORDERS
 from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.state_answers import Asker
@@ -283,10 +283,19 @@ class SentenceSide:
             self._orders.refuse_permission(order, utterance)
             return
         if sense.rest:
-            self._speaking.reply("unread_rest", utterance, rest=cut(sense.rest, LONGEST_REASON))
+            self._speaking.answer(self._why_unread(sense.rest), utterance)
         if sense.name == "answer" and self._may_be_no_answer(utterance):
             sense = sense._replace(is_partial=True)  # it is read back
         self._orders.take(sense, utterance, mapper="grammar", agreeing=agreeing)
+
+    def _why_unread(self, rest: str) -> str:
+        """Why a part of a list is left out: the value in it that does not fit, or that it means nothing."""
+        found = self._grammar.senses(rest, self._talk.view)
+        return (
+            found[0].fault
+            if is_fault(found)
+            else self._talk.language.text("unread_rest", rest=cut(rest, LONGEST_REASON))
+        )
 
     def _react(self, sense: Sense, utterance: Utterance, agreeing: int | None) -> None:
         """Handle what is neither a question nor an order that can be judged."""

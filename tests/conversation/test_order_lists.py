@@ -289,6 +289,18 @@ def test_a_joint_at_the_beginning_changes_no_order(code: str, joint: str) -> Non
         assert spoken(f"{joint} {order}") == spoken(order)
 
 
+def test_a_part_whose_value_does_not_fit_is_refused_with_what_would() -> None:
+    waits = KeyView("wait_s", "integer", "argument", minimum=1, maximum=60)
+    view = IDLE._replace(missions=(MissionView("assist", "", (*KEYS, waits)),))
+    phrases = {**PHRASES["en"], "wait {wait_s} seconds": {"task": "wait"}}
+    dialogue = Dialogue(settings_in("en", phrases, PLACES["en"]["place"]), view)
+    outputs = dialogue.on_utterance(
+        Utterance(f"{ORDERS['en']['kitchen']}, then wait 99 seconds", "operator", "terminal", at=1.0), view
+    )
+    why, read_back = [each.text for each in outputs if isinstance(each, Speech) and not each.report]
+    assert why == "'99' is no value for wait: it must be a whole number from 1 to 60 s." and "kitchen" in read_back
+
+
 @pytest.mark.parametrize("code", languages())
 def test_the_yes_of_who_stopped_counts_for_what_was_read_back_with_the_stop(code: str) -> None:
     robot = Robot(code, RUNNING)
