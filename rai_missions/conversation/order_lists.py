@@ -86,7 +86,8 @@ class OrderLists:
             if any(STOP in part for part in first) and (not whole or is_fault(whole)):
                 return (STOP,)
             if all(map(is_order, first)) and first and (is_fault(whole) or self._speaks_of_it(rest, whole)):
-                return tuple(sense._replace(rest=" ".join(rest)) for sense in _together(first))
+                read = (sense._replace(rest=" ".join(rest)) for sense in _together(first))
+                return tuple(self._grammar.located(sense, words[: cut.end], rest, view) for sense in read)
         return ()
 
     def _on_the_way(self, words: list[str], cuts: list[Cut]) -> tuple[list[str], list[Cut]]:
@@ -146,7 +147,7 @@ class OrderLists:
             is_whole: The sentence is an order as a whole: a value is one of it rather than of another order.
         """
         shared = self._language.normaliser.bare(list(before)) if words[0] not in self._correcting else []
-        is_thing = words[0] in self._language.articles
+        is_thing = words[0] in self._language.articles and not self.is_value(words, view)
         for size in range(1, min(MOST_SHARED, len(shared) - 1) + 1):
             sense = self._grammar.start_in([*shared[:size], *words], view)
             if sense is not None and (is_thing if self._grammar.open_texts(sense) else not is_whole):
@@ -156,6 +157,10 @@ class OrderLists:
     def is_correction(self, words: Sequence[str]) -> bool:
         """Whether a part replaces what is ahead of it: `no, the study`."""
         return words[0] in self._correcting and self._language.correction.fits(words)
+
+    def is_value(self, words: Sequence[str], view: StatusView) -> bool:
+        """Whether a part is a value alone, `the study`, which needs what is ordered of it from an earlier part."""
+        return self._grammar.is_value(words, view)
 
     def _speaks_of_it(self, words: Sequence[str], senses: Sequence[Sense]) -> bool:
         """Whether the end of a value is a clause about it: `bring it to me` of `find the cup and bring it to me`."""
@@ -194,7 +199,7 @@ class _Reading:
         """
         for then in self._cuts:
             if begin < then.end and then.begin < end and (first := self._part(begin, then.end, whole)):
-                is_whole = bool(self._part(begin, then.end))
+                is_whole = bool(self._part(begin, then.end)) and not self._is_value(begin, then.end)
                 if rest := self._from(then.begin, (begin, then.end) if is_whole else whole, end):
                     return [*rest, first] if then.is_reversing else [first, *rest]
         last = self._part(begin, end, whole)
@@ -211,9 +216,16 @@ class _Reading:
             elif self._lists.is_correction(words):
                 self._known[place] = ()
             else:
-                found = self._part(begin, end)
-                self._known[place] = found or self._lists.shortened(words, self._view, earlier, is_whole=self._is_whole)
+                alone = self._part(begin, end)
+                found = () if alone and not self._is_value(begin, end) else self._shortened(words, earlier)
+                self._known[place] = found or alone
         return self._known[place]
+
+    def _is_value(self, begin: int, end: int) -> bool:
+        return self._lists.is_value(self._words[begin:end], self._view)
+
+    def _shortened(self, words: Sequence[str], earlier: Sequence[str]) -> Part:
+        return self._lists.shortened(words, self._view, earlier, is_whole=self._is_whole)
 
 
 def is_order(senses: Sequence[Sense]) -> bool:

@@ -60,7 +60,9 @@ class SentenceGrammar:
         self._answers, self._starts = OptionAnswers(language), MissionStarts(language, self._phrases)
         self._questions = StateQuestions(language, questions)
         pronouns = frozenset(language.data["pronouns"])
-        self._subjects = pronouns - frozenset(language.data["thing_pronouns"])
+        self._things = frozenset(language.data["thing_pronouns"])
+        self._undecided = frozenset([*language.data["claims"]["negations"], language.text("or")])
+        self._subjects = pronouns - self._things
         self._persons = pronouns - language.articles
         self._view: StatusView | None = None
         self._known = dict[tuple[str, ...], tuple[Sense, ...]]()
@@ -138,6 +140,10 @@ class SentenceGrammar:
         """Whether the words begin with a phrase of an order."""
         return self.begins_a_start(words) or any(each.begin(words) for each in self.language.orders.values())
 
+    def is_value(self, words: Sequence[str], view: StatusView) -> bool:
+        """Whether the words are a start by a value alone: `the kitchen`."""
+        return any(True for _ in self._phrases.valued(self.language.normaliser.bare(list(words)), view.missions))
+
     def start_in(self, words: Sequence[str], view: StatusView) -> Sense | None:
         """The start that the words are by a phrase of the robot's own; None where there is none, or several."""
         found = list(self._phrases.senses(words, view.missions))
@@ -148,6 +154,28 @@ class SentenceGrammar:
         for words in reversed(clauses):
             for at in range(len(words) - 1, -1, -1):
                 yield from (list(name) for name in self._phrases.names if tuple(words[at : at + len(name)]) == name)
+
+    def located(self, sense: Sense, words: Sequence[str], rest: Sequence[str], view: StatusView) -> Sense:
+        """The start with the one place that words about its thing name: `find the cup, it is in the study`.
+
+        Args:
+            sense: A start without a place of its own, or any other sense, which stays as it is.
+            words: Of the start.
+            rest: The clauses behind it.
+            view: The run.
+        """
+        pronouns = self._things - self.language.articles
+        is_about_it = not self._things.isdisjoint(rest[:1]) or not pronouns.isdisjoint(rest)
+        if not is_about_it or not self._undecided.isdisjoint(rest):
+            return sense
+        bare, found = self.language.normaliser.bare(list(words)), list[Sense]()
+        for place in self.places_in([rest]):
+            end = next(at for at in range(len(rest)) if rest[at : at + len(place)] == place) + len(place)
+            begins = (at for at in range(end - len(place) - 1, -1, -1) if rest[at] in self.language.spatial)
+            starts = (self.start_in([*bare, *rest[at:end]], view) for at in begins)
+            texts = self.open_texts(sense)
+            found += [each for each in starts if each is not None and self.open_texts(each) == texts][:1]
+        return found[0]._replace(is_partial=True) if len(found) == 1 else sense
 
     def knows(self, word: str) -> bool:
         """Whether a word is in a phrase of the language or of the robot."""

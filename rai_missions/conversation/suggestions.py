@@ -73,6 +73,8 @@ class Suggestions:
             order = order or (self._placed(words, clauses[:at], view) if is_fault(senses or FAULT) else ())
             order = order or self._inside(words, view, is_addressed=is_addressed, is_question=is_question)
             if order:
+                behind = [word for each in clauses[at + 1 :] for word in each]
+                order = (*order[:-1], self._grammar.located(order[-1], words, behind, view))
                 orders[order[-1].identity] = (*order[:-1], order[-1]._replace(is_partial=True))
             elif senses and senses[0].kind in ("question", "fault") and senses[0].name not in ALWAYS:
                 others.append(senses[0])
