@@ -112,7 +112,7 @@ class Grammar:
         """Whether a stop is in it, or a warning: `stop, there is a child`; `stop stop you hit the cat`."""
         stop, first = self.language.orders["stop"], words[:1]
         is_again = words[1:2] == first and stop.fits(first)
-        heads = [self._ahead_of_reason(each) for each in edges[:1] if not text.rstrip().endswith("?")]
+        heads = [self._ahead_of_reason(each) for each in edges if not text.rstrip().endswith("?")]
         return is_again or any(map(stop.fits, (*edges, *heads))) or self._warns(text, edges, view)
 
     def _warns(self, text: str, edges: Sequence[list[str]], view: StatusView) -> bool:

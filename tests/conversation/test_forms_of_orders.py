@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import product
 from typing import NamedTuple
 
 import pytest
@@ -58,6 +59,10 @@ REASONS = {
         "du fährst gleich dagegen", "bis ich vorbei bin",
     ),
 }  # fmt: skip
+AHEAD = {
+    "en": ("", "all clear,", "There is a child.", "it is late,", "I am in front of you,"),
+    "de": ("", "alles klar,", "Da ist ein Kind.", "es ist spät,", "ich bin vor dir,"),
+}
 LATER = {
     "en": ("when you get to the gate", "if you see a dog", "signs are red", "by the shop on the way"),
     "de": ("wenn du am Tor bist", "falls du einen Hund siehst"),
@@ -204,10 +209,11 @@ def test_an_indirect_question_is_the_question_in_it(code: str) -> None:
 
 
 @pytest.mark.parametrize("code", languages())
-def test_a_stop_counts_with_its_reason_behind_it_and_no_comma(code: str) -> None:
+def test_a_stop_counts_with_its_reason_behind_it_and_no_comma_whatever_is_ahead(code: str) -> None:
     grammar = Grammar(language(code))
-    for stop in STOPS[code]:
-        missed = [why for why in REASONS[code] if grammar.senses(f"{stop} {why}", ASSISTING) != (STOP,)]
-        assert missed == [], stop
-        now = [when for when in LATER[code] if STOP in grammar.senses(f"{stop} {when}", ASSISTING)]
-        assert now == [], stop
+    for ahead, stop in product(AHEAD[code], STOPS[code]):
+        cried = f"{ahead} {stop}".strip()
+        missed = [why for why in REASONS[code] if grammar.senses(f"{cried} {why}", ASSISTING) != (STOP,)]
+        assert missed == [], cried
+        now = [when for when in LATER[code] if STOP in grammar.senses(f"{cried} {when}", ASSISTING)]
+        assert now == [], cried
