@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rai_missions.planning.reading.lexicon import Vocabulary, lexicon, lexicons
-from rai_missions.planning.reading.symbols import SUBJECTS, Symbol, past
+from rai_missions.planning.reading.symbols import SUBJECTS, Symbol, past, up_to
 from rai_missions.planning.scene import CONTAINERS
 
 __all__ = ("without_asides",)
@@ -58,7 +58,7 @@ def without_asides(found: Sequence[Symbol], words: Vocabulary) -> list[Symbol]:
 
 def _with_topic(found: Sequence[Symbol], words: Vocabulary) -> Sequence[Symbol]:
     """What a remark ahead of a wish is about in place of the wish's pronoun: `the tomato is soft, bin it`."""
-    end = past(found, 0, {each.kind for each in found} - {*SIGNS})
+    end = up_to(found, 0, SIGNS)
     before, wish = found[:end], found[end + 1 :]
     if len(before) > 1 and (before[-1].kind, before[-1].value) == ("level", "middle"):
         return _around([each for each in before[:-1] if each.kind != "put"], wish) or found
@@ -110,7 +110,7 @@ def _is_plain(symbol: Symbol, words: Vocabulary) -> bool:
 
 def _is_whole(found: Sequence[Symbol]) -> bool:
     """Whether what follows has a verb or a relation of its own: `plate: apple, carrot` has none."""
-    sentence = found[: past(found, 0, {each.kind for each in found} - {"."})]
+    sentence = found[: up_to(found, 0, (".",))]
     return any(each.kind in VERBS | {"relation", "each_other"} for each in sentence)
 
 

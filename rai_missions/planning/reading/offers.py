@@ -12,7 +12,7 @@ from itertools import pairwise
 
 from rai_missions.planning.goal import Goal
 from rai_missions.planning.reading.lexicon import Vocabulary
-from rai_missions.planning.reading.symbols import Symbol, past
+from rai_missions.planning.reading.symbols import DIVIDING, Symbol, up_to
 
 __all__ = ("goals_of_rest", "is_offered")
 
@@ -26,7 +26,6 @@ ASKING = frozenset({
     "noun", "colour", "relation", "each_other", "level", "rank", "everything", "rest", "stack", "left_to_right",
 })  # fmt: skip
 """Kinds of symbols without which an offer would lack something of the request."""
-DIVIDING = (",", ".", "and", "then", ":")
 
 Part = tuple[Symbol, ...]
 
@@ -90,7 +89,7 @@ def _may_ask(part: Part, at: int) -> bool:
     if part[at].kind != "unknown":
         return False
     before, after = part[at - 1].kind if at else ",", part[at + 1].kind if at + 1 < len(part) else ","
-    clause = part[at : past(part, at, {each.kind for each in part} - {*DIVIDING})]
+    clause = part[at : up_to(part, at, DIVIDING)]
     is_thing = before in ("the", "a", "all") and after in (*DIVIDING, "relation")
     is_verb = before in DIVIDING and after in ("the", "a", "all", "noun", "colour")
     return is_thing or (is_verb and not any(each.kind in ("relation", "each_other", "there") for each in clause))

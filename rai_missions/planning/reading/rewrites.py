@@ -11,7 +11,7 @@ from typing import Any
 
 from rai_missions.planning.reading.asides import without_asides
 from rai_missions.planning.reading.lexicon import Vocabulary
-from rai_missions.planning.reading.symbols import ENDS, NAMING, Symbol, past, symbols
+from rai_missions.planning.reading.symbols import DIVIDING, ENDS, NAMING, Symbol, past, symbols, up_to
 from rai_missions.planning.scene import CONTAINERS
 
 __all__ = ("rewritten",)
@@ -33,7 +33,7 @@ def rewritten(request: str, lexicon: Vocabulary) -> list[Symbol]:
 
 def _is_particle(found: Sequence[Symbol], at: int, data: Mapping[str, Any]) -> bool:
     """Whether it only completes a verb: `räum … auf`, `setz … ab`."""
-    is_last = at + 1 == len(found) or found[at + 1].kind in (".", ",", "and", "then", ":")
+    is_last = at + 1 == len(found) or found[at + 1].kind in DIVIDING
     return found[at].kind == "particle" or (is_last and data["prefixes"].get(found[at].text) == "")
 
 
@@ -87,15 +87,11 @@ def _off_towers(found: Sequence[Symbol]) -> list[Symbol]:
     kept = list[Symbol]()
     for symbol in found:
         is_off = kept[-1:] and (kept[-1].kind, kept[-1].value) == ("relation", "off")
-        is_off_the = [each.kind for each in kept[-2:]] in (["relation", "the"], ["relation", "pronoun"]) and kept[
-            -2
-        ].value == "off"
+        ahead = kept[-2:]
+        is_before_article = [each.kind for each in ahead] in (["relation", "the"], ["relation", "pronoun"])
+        is_off_the = is_before_article and ahead[0].value == "off"
         kept.append(symbol._replace(kind="tower") if symbol.kind == "stack" and (is_off or is_off_the) else symbol)
     return kept
-
-
-def _sentence_end(found: Sequence[Symbol], at: int, ends: Sequence[str]) -> int:
-    return next((place for place in range(at, len(found)) if found[place].kind in ends), len(found))
 
 
 def _joined(found: list[Symbol], form: Mapping[str, Any]) -> list[Symbol]:
@@ -103,7 +99,7 @@ def _joined(found: list[Symbol], form: Mapping[str, Any]) -> list[Symbol]:
     for at, symbol in enumerate(found):
         if symbol.text not in form["verb"]:
             continue
-        end = _sentence_end(found, at, ENDS)
+        end = up_to(found, at, ENDS)
         if end - 1 > at and found[end - 1].text in form["particle"]:
             if form["kind"] == "down":
                 onto = [Symbol("relation", "on", found[end - 1].text), Symbol("desk", "", "")]
@@ -151,7 +147,7 @@ def _corrected(found: list[Symbol]) -> list[Symbol]:
     relations = [sum(each.kind in ("relation", "each_other") for each in part) for part in (before, after)]
     if relations[0] == 1 <= relations[1] and after[0].kind in NAMING and past(after, 0, NAMING) < len(after):
         return _corrected(after)  # `blue on orange, never mind, red on orange`
-    named = _sentence_end(after, 0, (".", ","))
+    named = up_to(after, 0, (".", ","))
     runs = [run for run in _runs(before) if _may_replace(after[:named], before[run])]
     if all(symbol.kind in NAMING for symbol in after[:named]) and len(runs) == 1:
         instead = _with_noun(after[:named], before[runs[0]])

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from rai_missions.planning.reading.noun_phrases import Cursor, noun_phrases, ordered_phrases
 from rai_missions.planning.reading.phrases import Clause, Phrase
+from rai_missions.planning.reading.symbols import BETWEEN
 
 __all__ = ("ordered_row", "row_of", "sides_of")
 
@@ -14,7 +15,7 @@ SIDES = ("left_to_right", "counted_from")
 """Kinds of symbols that give the side from which a row is listed."""
 ENDS = {"left": 0, "right": -1}
 """Ranks of the ends of a row → their place in it."""
-CLOSING = ("", ",", ".", "and", "then")
+CLOSING = ("", *BETWEEN)
 
 
 def row_of(cursor: Cursor, subjects: tuple[Phrase, ...]) -> Clause:

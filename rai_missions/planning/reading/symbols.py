@@ -16,7 +16,18 @@ from rai_missions.planning.scene import CONTAINERS
 from rai_missions.planning.text.normalise import readable
 from rai_missions.planning.text.numbers import number
 
-__all__ = ("LONGEST_REQUEST", "MOST_WORDS", "Quantity", "Symbol", "past", "symbols", "words_of")
+__all__ = (
+    "BETWEEN",
+    "DIVIDING",
+    "LONGEST_REQUEST",
+    "MOST_WORDS",
+    "Quantity",
+    "Symbol",
+    "past",
+    "symbols",
+    "up_to",
+    "words_of",
+)
 
 LONGEST_REQUEST = 600
 """Characters of a request; a longer text is not read."""
@@ -39,7 +50,11 @@ SMILE = re.compile(r"[:;]-?[()dp](?!\w)|[\U0001f300-\U0001faff\u2600-\u27bf]")
 
 LONE = re.compile(r"(?<!\w)'(?=\w)|(?<=\w)'(?!\w)")
 """An apostrophe or a quotation mark at one end of a word: `stack 'em`."""
-ENDS = (".", ",", "and", "then", "too", "empty")
+BETWEEN = (",", ".", "and", "then")
+"""Kinds of symbols between two wishes."""
+DIVIDING = (*BETWEEN, ":")
+"""The same, and what is between a heading and its wishes."""
+ENDS = (*BETWEEN, "too", "empty")
 SUBJECTS = frozenset({"noun", "colour", "generic", "pronoun", "all", "rest", "everything"})
 """Kinds of symbols that end a phrase about things."""
 RANKS = ("rank", "compared")
@@ -175,6 +190,11 @@ def _with_other_wishes(found: list[Symbol]) -> list[Symbol]:
 def past(found: Sequence[Symbol], at: int, kinds: Collection[str]) -> int:
     """The place past all symbols of some kinds from here."""
     return next((place for place in range(at, len(found)) if found[place].kind not in kinds), len(found))
+
+
+def up_to(found: Sequence[Symbol], at: int, kinds: Collection[str]) -> int:
+    """The place of the first symbol of some kinds from here; past the last where there is none."""
+    return next((place for place in range(at, len(found)) if found[place].kind in kinds), len(found))
 
 
 def _clearing(found: list[Symbol]) -> list[Symbol]:

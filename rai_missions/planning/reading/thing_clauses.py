@@ -16,11 +16,11 @@ from rai_missions.planning.reading.phrases import Clause, ClauseKind, Phrase, Un
 from rai_missions.planning.reading.places import gap, has_place, place, shift
 from rai_missions.planning.reading.row_words import row_of, sides_of
 from rai_missions.planning.reading.swaps import swaps
+from rai_missions.planning.reading.symbols import BETWEEN
 from rai_missions.planning.reading.towers import is_tower, levels_of, tower
 
-__all__ = ("BETWEEN", "MUTUAL", "NEAR_IT", "THOSE", "ThingClauses")
+__all__ = ("MUTUAL", "NEAR_IT", "THOSE", "ThingClauses")
 
-BETWEEN = (",", ".", "and", "then")
 NAMED = (":", "=")
 """Signs between a container and what is to be in it."""
 MUTUAL: dict[str, ClauseKind] = {
