@@ -8,7 +8,11 @@ where a careless program would import from. Each of them reports when it is exec
 from __future__ import annotations
 
 import json
+import os
+import shutil
+import subprocess
 import sys
+import sysconfig
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -201,6 +205,37 @@ def test_no_journal_imports_code_of_its_choice(share: int, here: Path) -> None:
 
 def test_what_lies_in_the_working_directory_is_not_installed_however_its_path_is_spelled(here: Path) -> None:
     assert not [each for each in _places() if Path(each).resolve() == here.resolve()]
+
+
+COMMANDS = ("rai-missions", "python -m rai_missions")
+TRAP = "open({file!r}, 'a').write(__name__)\nraise ImportError('a trap')\n"
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_neither_spelling_of_the_command_imports_from_the_working_directory(command: str, tmp_path: Path) -> None:
+    folder, caught = tmp_path / "here", tmp_path / "caught"
+    folder.mkdir()
+    for name in ("langchain_evil", "langchain_core", "mujoco", "py_trees", "pydantic", "rclpy", "transitions"):
+        (folder / f"{name}.py").write_text(TRAP.format(file=str(caught)))
+    put(folder, "mission.json", MISSION)
+    (folder / "identity").mkdir()
+    put(folder, "robot.json", PROFILE | {"connector": {"kind": "local"}})
+    campaign = {
+        "format": 1, "name": "c", "mission": "mission.json", "robot": "robot.json", "decision": "asking",
+        "scenes": {"world": "orchard", "seeds": [1]}, "models": ["evil:x"],
+    }  # fmt: skip
+    put(folder, "campaign.json", campaign)
+    script = shutil.which("rai-missions", path=sysconfig.get_path("scripts"))
+    start = [sys.executable, "-m", "rai_missions"] if command.startswith("python") else [script or ""]
+    if start == [""]:
+        pytest.skip("the command is not installed")
+    environment = os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])}
+    for order in ("check mission.json", "campaign check campaign.json"):
+        done = subprocess.run(
+            [*start, *order.split()], check=False, cwd=folder, env=environment, capture_output=True, text=True
+        )
+        assert not caught.exists(), caught.read_text()
+    assert "/models/0: no model provider 'evil'" in done.stderr
 
 
 def test_no_package_can_offer_to_open_a_robot_in_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
