@@ -9,6 +9,7 @@ from typing import NamedTuple
 from rai_missions.check.index import MissionIndex, PathUse, Scope
 from rai_missions.check.name_table import Lexicon
 from rai_missions.keys import Key
+from rai_missions.mission.option_parameters import listed_parameters
 from rai_missions.states import Option
 from rai_missions.states.state import ANY_EVENT
 
@@ -129,13 +130,11 @@ def _options(index: MissionIndex, scope: Scope) -> dict[str, Option]:
 
 def parameter_types(option: Option) -> dict[str, str | None] | None:
     """The names of an option's parameters and their types; None where any name will do."""
-    if option.parameters is None:
-        return {}
-    properties = option.parameters.get("properties")
-    if not isinstance(properties, Mapping):
+    listed = listed_parameters(option.parameters)
+    if listed is None:
         return None
     found: dict[str, str | None] = {}
-    for name, schema in properties.items():
+    for name, schema in listed.items():
         kind = schema.get("type") if isinstance(schema, Mapping) else None
         found[name] = SCHEMA_TYPES.get(kind, kind) if isinstance(kind, str) else None
     return found

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 from rai_missions.errors import DefinitionError, Fault, irregular, pointer, suggestion
 from rai_missions.keys import Key, type_error
 from rai_missions.mission.mission import Mission
+from rai_missions.mission.option_parameters import listed_parameters
 from rai_missions.model.references import reference_word
 from rai_missions.redaction import shown
 from rai_missions.states import DecisionSpec, Include
@@ -127,6 +128,7 @@ def _unfit(include: Include, inner: Mission, parent: Mission) -> Iterator[Fault]
         for option in asked.options:
             if option in parent.events:
                 yield Fault("/mission", f"its option '{option}' is also an event of this mission; rename one of them")
+    yield from (Fault("/mission", why) for why in _captured(inner, parent))
     for place, transition in inner.every_transition():
         if ANY_EVENT in transition.on and not inner.events:
             yield Fault(
@@ -140,6 +142,20 @@ def _unfit(include: Include, inner: Mission, parent: Mission) -> Iterator[Fault]
         if declared.source == "answer" and shared_key(include.with_.get(key)) != key:
             why = f'keep the name: "with": {{"{key}": {{"from": "{key}"}}}}, and declare it in this mission'
             yield Fault("/mission", f"its key '{key}' is written by answers, which know it by that name; {why}")
+
+
+def _captured(inner: Mission, parent: Mission) -> Iterator[str]:
+    """Why an answer inside would write a key of the mission outside that it does not share."""
+    own = {name for name, key in inner.blackboard.items() if key.source == "answer"}
+    theirs = [name for name, key in parent.blackboard.items() if key.source == "answer" and name not in own]
+    for asked in questions(inner) if theirs else ():
+        for option, definition in asked.options.items():
+            listed = listed_parameters(definition.parameters)
+            for key in theirs:
+                if listed is None:
+                    yield f"its option '{option}' would write '{key}' of this mission; list its 'properties'"
+                elif key in listed:
+                    yield f"its option '{option}' would write '{key}' of this mission; rename one of them"
 
 
 def questions(mission: Mission) -> Iterator[DecisionSpec]:

@@ -15,7 +15,7 @@ from typing import Any
 from rai_missions.errors import steps_of
 from rai_missions.redaction import clipped, shown
 
-__all__ = ("MOST_PARTS", "parameter_faults", "schema_fault")
+__all__ = ("MOST_PARTS", "listed_parameters", "parameter_faults", "schema_fault")
 
 MOST_PARTS = 10_000
 """Objects and lists of a schema, counted as often as references lead to them, and of what is judged by it."""
@@ -29,6 +29,16 @@ REFUSED = frozenset(
 """Words by which a schema leads elsewhere, or takes time without bound."""
 ANNOTATIONS = frozenset({"$comment", "$defs", "$schema", "default", "description", "examples", "title"})
 """Words that ask nothing of a value."""
+
+
+def listed_parameters(schema: Mapping[str, Any] | None) -> Mapping[str, Any] | None:
+    """The parameters under `properties`, which alone are written to keys; None where it has no such word: any is.
+
+    Args:
+        schema: An option's `parameters`; None where it takes none.
+    """
+    properties = {} if schema is None else schema.get("properties")
+    return properties if isinstance(properties, Mapping) else None
 
 
 def schema_fault(schema: Mapping[str, Any]) -> str:

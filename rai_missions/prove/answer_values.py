@@ -20,7 +20,7 @@ from typing import Any
 
 from rai_missions.errors import unescaped
 from rai_missions.keys import Key
-from rai_missions.mission.option_parameters import parameter_faults
+from rai_missions.mission.option_parameters import listed_parameters, parameter_faults
 from rai_missions.plain_data import is_number
 from rai_missions.prove.nondeterminism import Payload
 from rai_missions.prove.representatives import OTHER, Values
@@ -85,12 +85,12 @@ class AnswerValues:
         required = set(schema.get("required", ()))
         named = dict.fromkeys([*(schema.get("properties") or {}), *schema.get("required", ())])
         if schema.get("additionalProperties", True) is not False:
-            named |= dict.fromkeys(sorted(self._looked() - named.keys()))
+            named |= dict.fromkeys(sorted(self._looked(schema) - named.keys()))
         return {name: name not in required for name in named}
 
-    def _looked(self) -> set[str]:
-        learned = self._values.learned
-        written = {name for name, key in self._keys.items() if key.source == "answer"}
+    def _looked(self, schema: Schema) -> set[str]:
+        learned, any_is_written = self._values.learned, listed_parameters(schema) is None
+        written = {name for name, key in self._keys.items() if key.source == "answer" and any_is_written}
         return {*self._values.fields("answer"), *(written & (learned.compared | learned.gone_over))}
 
     def is_looked_at(self, name: str) -> bool:

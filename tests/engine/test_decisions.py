@@ -136,6 +136,33 @@ def test_a_failing_answerer_is_asked_as_often_as_attempts_reports_then_the_next(
     assert third is not None and (third.asked, third.attempt) == ("rules", 1)
 
 
+@given(
+    listed=st.sets(st.sampled_from("abc")),
+    given_=st.dictionaries(st.sampled_from("abc"), st.integers(0, 9)),
+    in_tree=st.booleans(),
+)
+def test_an_answer_writes_the_keys_that_its_option_lists_and_no_other(
+    listed: set[str], given_: dict[str, int], in_tree: bool
+) -> None:
+    lists: dict[str, Any] = {"properties": {name: {"type": "integer"} for name in listed}}
+    decision = {"question": "?", "options": {"give": {"parameters": lists}, "stop": {}},
+                "ask": ["agent"], "deadline_s": 5, "fallback": "stop"}  # fmt: skip
+    does: dict[str, Any] = {"decision": decision}
+    ways = [transition("give", "given"), transition("stop", "halt")]
+    if in_tree:
+        does = {"tree": {"decision": decision, "then": {"give": {"wait_s": 1}, "stop": {"wait_s": 1}}}}
+        ways = [transition("succeeded", "given"), transition("failed", "halt")]
+    keys = {name: {"type": "integer", "source": "answer"} for name in "abc"}
+    halt = {"final": "aborted"}
+    states = {"ask": does | {"transitions": ways}, "given": {}, "halt": halt}
+    made = Chart(mission(states, blackboard=keys))
+    question = made.start(0.0).question
+    assert question is not None
+    step = answers(made, question.number, "give", parameters=given_)
+    assert step.verdict is not None and step.verdict.accepted
+    assert dict(step.writes) == {name: value for name, value in given_.items() if name in listed}
+
+
 def test_when_no_one_gives_an_answer_that_counts_the_fallback_is_taken() -> None:
     made, question = asked(attempts=1)
     second = answers(made, question.number, "fly").question

@@ -349,6 +349,34 @@ def test_an_option_that_is_an_event_outside_is_refused(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("parameters", "remedy"),
+    [
+        ({"properties": {"words": {"type": "string"}}}, "rename one of them"),
+        ({"properties": {"other": {"type": "string"}}}, ""),
+        ({"type": "object"}, "list its 'properties'"),
+    ],
+)
+def test_an_option_that_would_write_a_key_outside_is_refused(
+    tmp_path: Path, parameters: dict[str, Any], remedy: str
+) -> None:
+    asking = json.loads(json.dumps(DOCK["states"]["asking"]))
+    asking["decision"]["options"]["again"]["parameters"] = parameters
+    words = {"words": {"type": "string", "source": "answer"}}
+    dock = DOCK | {"states": DOCK["states"] | {"asking": asking}}
+    top = TOP | {"blackboard": TOP["blackboard"] | words}
+    file = written(tmp_path, top=top, dock=dock)
+    if remedy:
+        sentence = f"/states/dock/mission: its option 'again' would write 'words' of this mission; {remedy}"
+        assert faults_in(file) == [sentence]
+    else:
+        assert "words" in load(file).blackboard
+    state = TOP["states"]["dock"]
+    shared = state | {"with": state.get("with", {}) | {"words": {"from": "words"}}}
+    top |= {"states": TOP["states"] | {"dock": shared}}
+    assert load(written(tmp_path, top=top, dock=dock | {"blackboard": DOCK["blackboard"] | words}))
+
+
 def test_a_private_name_that_is_taken_is_refused(tmp_path: Path) -> None:
     top = TOP | {"blackboard": TOP["blackboard"] | {"dock/tries": {"type": "string"}}}
     assert faults_in(written(tmp_path, top=top, dock=DOCK)) == [

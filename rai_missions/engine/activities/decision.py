@@ -16,6 +16,7 @@ from rai_missions.engine.step import Ask, Withdraw
 from rai_missions.event import Event
 from rai_missions.guards.guard import Operand, Site, View
 from rai_missions.keys import type_error
+from rai_missions.mission.option_parameters import listed_parameters
 from rai_missions.redaction import clipped
 from rai_missions.states.decision import Decision, DecisionSpec
 from rai_missions.states.tree.leaves import DecisionLeaf
@@ -42,6 +43,7 @@ class DecisionMachine(Machine):
         self.tests = {name: guard.compiled(site, True) for name, guard in asked.guards()}
         self.shown = [(path, Operand(path, Site(site.place, site.keys))) for path in asked.evidence]
         self.keys = site.keys
+        self.listed = {name: listed_parameters(option.parameters) for name, option in asked.options.items()}
         budget = asked.budget
         self.budget = Limits(budget.calls, budget.tokens, budget.seconds)
 
@@ -112,7 +114,7 @@ class DecisionMachine(Machine):
         given = data.get("parameters")
         proposal = Proposal(data["option"], given if isinstance(given, Mapping) else {}, str(data.get("why", "")))
         verdict = judge(question, proposal, host.view, self.tests)
-        if verdict.accepted and (why := self._parameter_fault(proposal.parameters)):
+        if verdict.accepted and (why := self._parameter_fault(proposal)):
             verdict = Verdict(False, f"the parameters of '{proposal.option}' are not valid: {why}")
         option = clipped(proposal.option, 60)
         verdict = verdict._replace(number=question.number, by=event.name, option=option)
@@ -120,20 +122,21 @@ class DecisionMachine(Machine):
         if not verdict.accepted:
             return self._again(state, host, verdict, f"{text}: refused, {verdict.why}", refusal=verdict.why)
         outcome = Outcome(proposal.option, dict(proposal.parameters), proposal.why)
-        writes = tuple(self._written(proposal.parameters))
+        writes = tuple(self._written(proposal))
         return _noted(Turn(None, outcome=outcome, writes=writes), verdict, f"{text}: accepted")
 
-    def _written(self, parameters: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-        """What an accepted answer writes: the keys of its parameters' names whose source is the answer."""
-        for name, value in parameters.items():
+    def _written(self, proposal: Proposal) -> Iterator[tuple[str, Any]]:
+        """What an accepted answer writes: keys whose source is the answer, by parameters that its option lists."""
+        listed = self.listed[proposal.option]
+        for name, value in proposal.parameters.items():
             key = self.keys.get(name)
-            if key is not None and key.source == "answer":
+            if key is not None and key.source == "answer" and (listed is None or name in listed):
                 yield name, value
 
-    def _parameter_fault(self, parameters: Mapping[str, Any]) -> str:
+    def _parameter_fault(self, proposal: Proposal) -> str:
         """Why a parameter cannot be written to its key; empty if each can."""
         each = (
-            f"{name}: {why}" for name, value in self._written(parameters) if (why := type_error(self.keys[name], value))
+            f"{name}: {why}" for name, value in self._written(proposal) if (why := type_error(self.keys[name], value))
         )
         return next(each, "")
 
