@@ -25,22 +25,23 @@ class TypeUse(NamedTuple):
 
 
 def typed(mission: Mission | None, robot: Robot) -> Iterator[TypeUse]:
-    """The types of what the mission uses, of everything without one; a type not written is left out."""
+    """The types of what the mission uses, of everything without one; a type that is left out is empty."""
     used = _used(mission) if mission is not None else _all(robot)
     for place, source in listened(mission, robot):
-        yield from _one(source.type, "srv" if source.service is not None else "msg", *place, "type")
+        if source.topic is not None or source.service is not None:
+            yield _one(source.type, "srv" if source.service is not None else "msg", *place, "type")
     for name, action in robot.actions.items():
-        if name in used["actions"]:
-            yield from _one(action.type, "action", "actions", name, "type")
+        if name in used["actions"] and not action.composed:
+            yield _one(action.type, "action", "actions", name, "type")
     for place, service in service_places(robot):
         sort, name = place[:2]
         if sort == "control" or name in used[sort]:
-            yield from _one(service.type, "srv", *place, *(("type",) if sort == "services" else ()))
+            yield _one(service.type, "srv", *place, *(("type",) if sort == "services" else ()))
     for name, topic in robot.topics.items():
         if name in used["topics"]:
-            yield from _one(topic.type, "msg", "topics", name, "type")
+            yield _one(topic.type, "msg", "topics", name, "type")
     if robot.alive is not None:
-        yield from _one(robot.alive.type, "msg", "alive", "type")
+        yield _one(robot.alive.type, "msg", "alive", "type")
 
 
 def listened(mission: Mission | None, robot: Robot) -> Iterator[tuple[Place, Source | EventSource]]:
@@ -67,9 +68,8 @@ def lacking(mission: Mission | None, robot: Robot, why: Callable[[str, TypeKind]
     return tuple(Fault(each.place, sentence) for each, sentence in reasons.items() if sentence)
 
 
-def _one(type_name: str, kind: TypeKind, *place: str) -> Iterator[TypeUse]:
-    if type_name:
-        yield TypeUse(pointer(list(place)), kind, type_name)
+def _one(type_name: str, kind: TypeKind, *place: str) -> TypeUse:
+    return TypeUse(pointer(list(place)), kind, type_name)
 
 
 def _all(robot: Robot) -> dict[str, set[str]]:

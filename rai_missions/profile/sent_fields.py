@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether what is sent to a robot, and taken from its results, has fields of those names.
+"""Whether what is sent to a robot, and taken from its results, has fields of those names, and values that they take.
 
 Rule: a field is the profile's fault where the profile names it, and where the mission does, the sentence states where.
 """
@@ -13,6 +13,7 @@ from rai_missions.check.index import MissionIndex, RobotUse
 from rai_missions.errors import Fault, pointer
 from rai_missions.mission.mission import Mission
 from rai_missions.profile.entries import references
+from rai_missions.profile.field_values import SentValue, misfit, sent_value
 from rai_missions.profile.message_types import listened
 from rai_missions.profile.profile import Place, Robot, service_places
 from rai_missions.profile.receivers import SENT_WORDS, receiver_of
@@ -31,6 +32,8 @@ class SentField(NamedTuple):
     path: str
     by: str = ""
     """What the mission does with it, and where; empty where the profile names it."""
+    value: SentValue | None = None
+    """What it is given; None for a field that is taken."""
 
 
 def unknown_sent_fields(mission: Mission | None, robot: Robot, fields_of: FieldsOf) -> tuple[Fault, ...]:
@@ -40,9 +43,13 @@ def unknown_sent_fields(mission: Mission | None, robot: Robot, fields_of: Fields
     faults: dict[Fault, None] = {}
     for use in uses:
         fields = known.get((use.type, use.part))
-        if fields is not None and (why := lack(fields, use.path)):
+        if fields is not None and (why := lack(fields, use.path) or _misfit(fields, use)):
             faults[Fault(pointer(list(use.place)), f"{use.by}{_words(use)} {why}")] = None
     return tuple(faults)
+
+
+def _misfit(fields: Mapping[str, Any], use: SentField) -> str:
+    return misfit(fields, use.path, use.value) if use.value is not None else ""
 
 
 def _words(use: SentField) -> str:
@@ -64,17 +71,17 @@ def _of_profile(robot: Robot) -> Iterator[SentField]:
 
 
 def _given(place: Place, type_name: str, part: TypePart, template: Mapping[str, Any]) -> Iterator[SentField]:
-    for where in _paths(template):
-        yield SentField((*place, *where), type_name, part, ".".join(where))
+    for where, item in _given_fields(template):
+        yield SentField((*place, *where), type_name, part, ".".join(where), value=sent_value(item, {}))
 
 
-def _paths(template: Mapping[str, Any]) -> Iterator[Place]:
-    """The fields of a message that a template gives a value; what a reference brings is open."""
+def _given_fields(template: Mapping[str, Any]) -> Iterator[tuple[Place, Any]]:
+    """The fields of a message that a template gives a value, each with what is written for it."""
     for name, item in template.items():
         if isinstance(item, Mapping) and item and "from" not in item and not any(word.startswith("$") for word in item):
-            yield from ((name, *rest) for rest in _paths(item))
+            yield from (((name, *rest), inner) for rest, inner in _given_fields(item))
         else:
-            yield (name,)
+            yield (name,), item
 
 
 def _of_mission(mission: Mission, robot: Robot) -> Iterator[SentField]:
@@ -85,9 +92,10 @@ def _of_mission(mission: Mission, robot: Robot) -> Iterator[SentField]:
             continue
         part: TypePart = "msg" if receiver.word == "message" else receiver.word
         if not any(True for _ in references(receiver.template)):
-            for where in _paths(getattr(use.user, word, None) or {}):
+            for where, item in _given_fields(getattr(use.user, word, None) or {}):
                 by = f"the mission gives it '{'.'.join(where)}' at {use.place}/{word}, and "
-                yield SentField(receiver.place, receiver.type, part, ".".join(where), by)
+                value = sent_value(item, mission.blackboard)
+                yield SentField(receiver.place, receiver.type, part, ".".join(where), by, value)
         yield from _taken(use, robot)
 
 

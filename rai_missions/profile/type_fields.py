@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 from typing import Any, Literal
 
-__all__ = ("MANY", "FieldsOf", "TypePart", "lack")
+__all__ = ("MANY", "FieldsOf", "TypePart", "inside", "is_list", "lack")
 
 MANY = 20
 """The fields of one message."""
@@ -22,24 +22,34 @@ def lack(there: Any, path: str) -> str:
     """What is not there on the way along a path, in what a type or a message holds; empty if all may be."""
     behind: list[str] = []
     for word in path.split("."):
-        inside = f" in '{'.'.join(behind)}'" if behind else ""
+        around = f" in '{'.'.join(behind)}'" if behind else ""
         if isinstance(there, Mapping):
             if word not in there:
-                return f"has no field '{word}'{inside}{_known(word, there)}"
+                return f"has no field '{word}'{around}{_known(word, there)}"
             there = there[word]
-        elif _is_list(there):
+        elif is_list(there):
             if not word.isdecimal():
-                return f"has no field '{word}'{inside}, which is a list; an item is named by its number, counted from 0"
+                return f"has no field '{word}'{around}, which is a list; an item is named by its number, counted from 0"
             there = _item(there, int(word))
         elif isinstance(there, str | bool | int | float) and "/" not in str(there):
-            return f"has no field '{word}'{inside}, which is one value"
+            return f"has no field '{word}'{around}, which is one value"
         else:
             return ""
         behind.append(word)
     return ""
 
 
-def _is_list(there: Any) -> bool:
+def inside(there: Any, path: str) -> Any:
+    """What is at the end of a path along which nothing lacks; None where nothing is known of it."""
+    for word in path.split("."):
+        if isinstance(there, Mapping):
+            there = there[word]
+        else:
+            there = _item(there, int(word)) if is_list(there) else None
+    return there
+
+
+def is_list(there: Any) -> bool:
     """A list, or the name of a type of lists: `sequence<double>`, `double[36]`."""
     if isinstance(there, str):
         return there.startswith("sequence<") or there.endswith("]")

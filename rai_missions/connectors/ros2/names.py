@@ -61,7 +61,7 @@ def find_type(name: str, kind: TypeKind) -> Any:
     package, _, rest = name.partition("/")
     middle, _, last = rest.partition("/")
     if middle != kind or not package.isidentifier() or not last.isidentifier():
-        given = f"{name!r} is no name of a {WHAT[kind]} type" if name else f"a {WHAT[kind]} needs the name of its type"
+        given = f"{name!r} is no name of a {WHAT[kind]} type" if name else f"the type of the {WHAT[kind]} is missing"
         raise NoSuchType(f"{given}; one looks like {EXAMPLE[kind]!r}")
     _check_is_interfaces(package, kind)
     try:

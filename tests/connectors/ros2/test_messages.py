@@ -100,7 +100,7 @@ def test_a_goal_id_that_ros_cannot_carry_is_carried_as_one_that_it_can() -> None
          "'std_msgs/String' is no name of a message type; one looks like 'std_msgs/msg/String'"),
         ("std_msgs/msg/String", "srv",
          "'std_msgs/msg/String' is no name of a service type; one looks like 'std_srvs/srv/Trigger'"),
-        ("", "msg", "a message needs the name of its type; one looks like 'std_msgs/msg/String'"),
+        ("", "msg", "the type of the message is missing; one looks like 'std_msgs/msg/String'"),
         ("std_srvs/action/Trigger", "action", "the package 'std_srvs' has no action types"),
         ("os/msg/../x", "msg", "'os/msg/../x' is no name of a message type; one looks like 'std_msgs/msg/String'"),
     ],
