@@ -96,10 +96,18 @@ def commanded_names(mission: Mission, robot: Robot) -> frozenset[str]:
 
 
 def _lacks(sort: str, name: str, known: Mapping[str, Any], place: str, remedies: Mapping[str, str] = NOTHING) -> Fault:
-    near = suggestion(name, known) if known else ""
+    near = _shared(sort, name) or (suggestion(name, known) if known else "")
     remedy = f"; {remedies[sort].replace('{}', name)}" if sort in remedies else ""
     sentence = f"missing; the mission uses it at {place}{remedy + near or '; name what is behind it'}"
     return Fault(pointer([sort, name]), sentence)
+
+
+def _shared(sort: str, name: str) -> str:
+    """The remedy for a key or event that an included mission brings; empty for one of the mission itself."""
+    state, _, own = name.rpartition("/")
+    given = '"…"' if sort == "events" else '{"from": …}'
+    share = f'"with": {{"{own}": {given}}}'
+    return f"; the mission in '{state}' has it as '{own}': share it there, {share}, or name it here" if state else ""
 
 
 def _keys(mission: Mission, robot: Robot, remedies: Mapping[str, str]) -> Iterator[Fault]:
@@ -112,7 +120,10 @@ def _keys(mission: Mission, robot: Robot, remedies: Mapping[str, str]) -> Iterat
             yield Fault(pointer(["blackboard", name]), sentence)
         elif source is not None and source.gives is not None and not _takes(key, source.gives):
             sentence = f"its messages give '{source.gives}', and the mission's '{name}' is of type '{key.type}'"
-            yield Fault(pointer(["blackboard", name]), f"{sentence}; name the 'field' that is meant")
+            remedy = "name the 'field' that is meant"
+            if source.gives == "string" and source.reads == "plain":
+                remedy += ', or add "json": true if that text is JSON'
+            yield Fault(pointer(["blackboard", name]), f"{sentence}; {remedy}")
 
 
 def _takes(key: Key, given: str) -> bool:

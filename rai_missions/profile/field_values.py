@@ -46,6 +46,8 @@ class SentValue(NamedTuple):
     """What it is, for a sentence."""
     constant: Any = None
     """None for what a key holds."""
+    remedy: str = ""
+    """What the author may have meant, for the end of the sentence."""
 
 
 def sent_value(item: Any, keys: Mapping[str, Key]) -> SentValue:
@@ -58,7 +60,9 @@ def sent_value(item: Any, keys: Mapping[str, Key]) -> SentValue:
     if isinstance(item, Mapping) and item:
         path = item.get("from")
         return SentValue(_kind_of(path, keys) if isinstance(path, str) and len(item) == 1 else "", f"'{path}'")
-    return SentValue(KINDS.get(type(item), ""), shown(item), item)
+    is_key = isinstance(item, str) and item in keys
+    remedy = f'; for what the key has, write {{"from": "{item}"}}' if is_key else ""
+    return SentValue(KINDS.get(type(item), ""), shown(item), item, remedy)
 
 
 def _kind_of(path: str, keys: Mapping[str, Key]) -> str:
@@ -146,4 +150,4 @@ def _shortened(leaf: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _remedy(leaf: Any, value: SentValue) -> str:
-    return f"; {AS_POSE}" if value.kind == "pose" and isinstance(leaf, Mapping) else ""
+    return f"; {AS_POSE}" if value.kind == "pose" and isinstance(leaf, Mapping) else value.remedy

@@ -75,6 +75,7 @@ KEYS = {
         ("ways", [1, "a"], "takes a list, each of whose items is a number, as 'ways' (sequence<double>), not [1, "),
         ("names", [1, 2, 3], "takes a list, each of whose items is a text, as 'names' (string[3]), not [1, 2, 3]"),
         ("pose", "home", "takes a message with header, pose as 'pose', not 'home'"),
+        ("order", "i", "takes a whole number as 'order' (int32), not 'i'; for what the key has, write {\"from\": \"i"),
         ("order", {"from": "s"}, "takes a whole number as 'order' (int32), not 's' of type 'string'"),
         ("order", {"from": "o.s"}, "takes a whole number as 'order' (int32), not 'o.s' of type 'string'"),
         ("word", {"from": "n"}, "takes a text as 'word' (string<22>), not 'n' of type 'number'"),

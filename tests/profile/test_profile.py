@@ -11,6 +11,7 @@ import pytest
 
 from rai_missions.errors import ConnectorError, DefinitionError, UsageError
 from rai_missions.guards import Compare
+from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, dump_profile, load_profile, missing, missing_world, parse_profile, terms
 from rai_missions.states import Final
@@ -280,7 +281,8 @@ def test_a_robot_without_anything_lacks_everything() -> None:
         ),
         (
             {"blackboard/battery": {"topic": "/b", "type": "std_msgs/msg/String"}},
-            "/blackboard/battery: its messages give 'string', and the mission's 'battery' is of type 'number'",
+            "/blackboard/battery: its messages give 'string', and the mission's 'battery' is of type 'number'; name "
+            "the 'field' that is meant, or add \"json\": true if that text is JSON",
         ),
         (
             {"blackboard/camera": {"topic": "/b", "type": "geometry_msgs/msg/PoseStamped"}},
@@ -336,6 +338,30 @@ def test_a_rule_that_answers_with_an_option_that_asks_for_values_is_reported() -
     assert missing(mission({place: times}), robot()) == (), "it may do without"
     (found,) = missing(mission({place: times | {"required": ["times"]}}), robot())
     assert str(found).startswith("/rules/assessing/0/answer: a rule gives no parameters, and ")
+
+
+def test_a_key_that_an_included_mission_brings_is_shared_or_named_in_full(tmp_path: Path) -> None:
+    floor = {"floor": {"type": "integer", "source": "robot", "max_age_s": 2}}
+    own = {
+        "initial": "on",
+        "states": {"on": {"transitions": [{"on": "stop", "to": "off"}]}, "off": {"final": "failed"}},
+    }
+    (tmp_path / "ride.json").write_text(
+        json.dumps({"name": "ride", "blackboard": floor, "events": ["stop"], **own}), encoding="utf-8"
+    )
+    riding = {"mission": "ride.json", "transitions": [{"on": "failed", "to": "over"}]}
+    states = {"riding": riding, "over": {"final": "aborted"}}
+    (tmp_path / "m.json").write_text(
+        json.dumps({"name": "m", "blackboard": floor, "initial": "riding", "states": states}), encoding="utf-8"
+    )
+    here = {"topic": "/floor", "type": "std_msgs/msg/Int32"}
+    sources = {"name": "r", "blackboard": {"floor": here}}
+    faults = [str(each) for each in missing(load(tmp_path / "m.json"), Robot.model_validate(sources))]
+    assert faults == [
+        f"/{sort}/riding~1{name}: missing; the mission uses it at /{sort}/riding~1{name}; the mission in 'riding' has "
+        f'it as \'{name}\': share it there, "with": {{"{name}": {given}}}, or name it here'
+        for sort, name, given in (("blackboard", "floor", '{"from": …}'), ("events", "stop", '"…"'))
+    ]
 
 
 def test_a_number_may_come_as_an_integer() -> None:
