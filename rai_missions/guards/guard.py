@@ -11,7 +11,7 @@ import json
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Iterator, Mapping
-from typing import Any, ClassVar, NamedTuple, Protocol, TypeAlias
+from typing import Any, ClassVar, NamedTuple, NoReturn, Protocol, TypeAlias
 
 from rai_missions.errors import MissionError, UsageError, in_words
 from rai_missions.guards.expression import EXAMPLE, WORDS, meant_guard
@@ -22,6 +22,7 @@ from rai_missions.model import HasPath, TaggedModel
 from rai_missions.redaction import clipped, shown
 
 __all__ = (
+    "BRACKETS",
     "DEEP",
     "Distinctions",
     "Guard",
@@ -48,6 +49,8 @@ __all__ = (
 
 Truth = bool | None
 """True, False, or None: unknown."""
+BRACKETS = "put brackets around comparisons: (k.battery < 0.2) & k.moving"
+"""For an author in Python, where `&` and `|` bind before `<`."""
 DEEP = 60
 """Guards nested deeper than this are compared for equality only."""
 
@@ -370,6 +373,16 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
     def or_unknown(self) -> Guard:
         """True where this is true or unknown."""
         return made("possible", possible=self)
+
+    def __uncompared(self, other: object) -> NoReturn:
+        raise TypeError(f"a guard is compared with nothing; {BRACKETS}")
+
+    __lt__ = __le__ = __gt__ = __ge__ = __uncompared
+
+    def __uncombined(self, other: object) -> NoReturn:
+        raise TypeError(f"{other!r} is no guard; {BRACKETS}")
+
+    __rand__ = __ror__ = __uncombined
 
     def __bool__(self) -> bool:
         raise TypeError("a guard has no truth of its own; combine guards with & | ~, not with and, or, not")

@@ -56,8 +56,7 @@ def included_file(written: str, chain: Chain) -> Path:
     if not file.is_relative_to(chain.folder):
         raise refused(f"{shown(written)} lies outside the mission's folder; put it inside")
     if not found:
-        near = (each.name for each in here.parent.glob("*.json") if each.name != here.name)
-        raise refused(f"there is no file {shown(written)}{suggestion(written, near)}")
+        raise refused(f"there is no file {shown(written)}{suggestion(written, _near(written, here))}")
     if sort := irregular(file):
         raise refused(f"{shown(written)} is {sort}; name a .json file")
     if file in chain.files:
@@ -66,6 +65,14 @@ def included_file(written: str, chain: Chain) -> Path:
     if len(chain.files) > MAX_INCLUSIONS:
         raise refused(f"more than {MAX_INCLUSIONS} missions inside each other; include less deeply")
     return file
+
+
+def _near(written: str, here: Path) -> Iterator[str]:
+    """The files that an inclusion may mean: those next to the one it names, and next to its own."""
+    for folder in dict.fromkeys((Path(written).parent, Path())):
+        for each in sorted((here.parent / folder).glob("*.json")):
+            if each != here:
+                yield (folder / each.name).as_posix()
 
 
 def _is_there(file: Path) -> bool:
@@ -110,7 +117,8 @@ def _key_faults(key: Key, given: Any, parent: Mission) -> Iterator[str]:
         if key.source in ("robot", "answer"):
             yield f'a key of the {key.source} takes no value; share one of this mission\'s: {{"from": key}}'
         elif why := type_error(key, given, written=True):
-            yield why
+            is_key = isinstance(given, str) and given in parent.blackboard
+            yield f'{why}; to share the key, write {{"from": "{given}"}}' if is_key else why
     elif name not in parent.blackboard:
         yield f"no key {shown(name)}{suggestion(name, parent.blackboard)}"
     elif (theirs := parent.blackboard[name].type) != key.type and (theirs, key.type) != ("integer", "number"):

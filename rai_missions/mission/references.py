@@ -158,13 +158,13 @@ class Ref:
 
 def _condition(given: Any) -> Guard:
     """A guard, or a reference as the guard that it means."""
-    from rai_missions.guards import Guard
+    from rai_missions.guards.guard import BRACKETS, Guard
 
     if isinstance(given, Ref):
         return given.is_true
     if isinstance(given, Guard):
         return given
-    raise TypeError(f"{given!r} is no guard; put brackets around comparisons: (k.battery < 0.2) & k.moving")
+    raise TypeError(f"{given!r} is no guard; {BRACKETS}")
 
 
 event = Ref("event")

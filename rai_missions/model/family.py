@@ -133,7 +133,8 @@ class TaggedModel(MissionModel):
         if isinstance(data, cls):
             return data
         if not isinstance(data, Mapping):
-            raise fault("object", f"a {cls.family} is an object, not {shown(data)}{uncalled(data) or cls.remedy(data)}")
+            given = f"a {data.family}" if isinstance(data, TaggedModel) else shown(data)
+            raise fault("object", f"a {cls.family} is an object, not {given}{uncalled(data) or cls.remedy(data)}")
         kind = cls.kind(cls.choose(data))
         assert kind is not None
         return kind.model_validate(data)

@@ -158,6 +158,11 @@ class MissionModel(Model):  # noqa: PLW1641 - pydantic gives a frozen model its 
             return False
         return all(list(self.__dict__[name]) == list(other.__dict__[name]) for name in self.ordered)
 
+    def __repr_args__(self) -> Iterator[tuple[str | None, Any]]:
+        """The words that it was given; those left out would hide them."""
+        shown = super().__repr_args__()  # type: ignore[misc]
+        return ((name, value) for name, value in shown if name in self.model_fields_set)
+
     __iter__ = None
     """Else pydantic takes one that is given alone, where a list of them is due, for a list of its words."""
 

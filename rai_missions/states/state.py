@@ -255,7 +255,9 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
 
     @classmethod
     def remedy(cls, data: Any) -> str:
-        """A state that a text most likely means."""
+        """A state that a text, or a node of a tree, most likely means."""
+        if isinstance(data, TaggedModel) and data.family == TREE:
+            return "; a tree is in a state of its own: Tree(…)"
         if not isinstance(data, str) or len(data) > MOST_LETTERS:
             return "; write {…}"
         word = "mission" if data.endswith(".json") else "action"

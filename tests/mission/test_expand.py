@@ -249,6 +249,11 @@ IN_DOCK = "/states/dock/mission: in 'dock.json', "
     [
         ({"mission": "dok.json"}, {}, "/states/dock/mission: there is no file 'dok.json'; did you mean 'dock.json'?"),
         (
+            {"mission": "sub/part.json"},
+            {},
+            "/states/dock/mission: there is no file 'sub/part.json'; did you mean 'sub/parts.json'?",
+        ),
+        (
             {"mission": "/etc/passwd"},
             {},
             "/states/dock/mission: '/etc/passwd' cannot be included; name a .json file relative to this one, with '/'",
@@ -320,6 +325,12 @@ IN_DOCK = "/states/dock/mission: in 'dock.json', "
             "/states/dock/with/limit: 'many' is not of type 'integer'; an integer is like 3",
         ),
         (
+            {"with": {"limit": "station"}},
+            {},
+            "/states/dock/with/limit: 'station' is not of type 'integer'; an integer is like 3; to share the key, "
+            'write {"from": "station"}',
+        ),
+        (
             {"with": {"pose": {"x": 1, "y": 2}}},
             {},
             '/states/dock/with/pose: a key of the robot takes no value; share one of this mission\'s: {"from": key}',
@@ -336,6 +347,8 @@ def test_what_cannot_be_included_is_reported(tmp_path: Path, changes: Any, dock:
     folder = tmp_path / "in"
     folder.mkdir()
     written(tmp_path, outside=DOCK)
+    (folder / "sub").mkdir()
+    (folder / "sub" / "parts.json").write_text("{}", encoding="utf-8")
     (folder / "link.json").symlink_to(tmp_path / "outside.json")
     (folder / "loop.json").symlink_to(folder / "loop.json")
     top = TOP | {"states": TOP["states"] | {"dock": TOP["states"]["dock"] | changes}}

@@ -16,7 +16,7 @@ import pytest
 from pydantic_core import PydanticUndefined
 
 from rai_missions import After, DefinitionError, EventSpec, Key, Keys, Log, Mission, On, Ref, When, states
-from rai_missions.guards import Guard
+from rai_missions.guards import Guard, Named
 from rai_missions.model import MissionModel, Seconds
 from rai_missions.states import Action, Budget, Decision, DecisionSpec, Default, Option, Transition, tree
 from rai_missions.states.effects import Effect
@@ -117,6 +117,22 @@ def test_functions_for_authors_explain_their_words(function: Any) -> None:
             "Mission(…): /kyes: a mission has no 'kyes'; did you mean 'keys'?",
         ),
         (lambda: Keys(n=int), "Keys(…): /n: <class 'int'> is no key; write Key(…)"),
+        (
+            lambda: tree.Sequence([Named("on")]),
+            "/sequence/0: a tree node is an object, not a guard; put it in tree.Check(",
+        ),
+        (
+            lambda: tree.Sequence([Ref("on")]),
+            "/sequence/0: a tree node is an object, not <on>; put it in tree.Check(…)",
+        ),
+        (
+            lambda: tree.Sequence([Action("go")]),
+            "not a state; the nodes of trees are in rai_missions.states.tree: tree.A",
+        ),
+        (
+            lambda: states.Compound(initial="go", states={"go": tree.Wait(1)}),
+            "/states/go: a state is an object, not a tree node; a tre",
+        ),
         (lambda: Option("go", whn=1), "Option(…): /whn: an option has no 'whn'; did you mean 'when'?"),
         (lambda: tree.Call("horn", timeot_s=1), "a tree node with 'call' has no 'timeot_s'; did you mean 'timeout_s'?"),
         (
@@ -139,6 +155,10 @@ def test_what_is_given_in_the_wrong_order_is_refused_with_the_right_one() -> Non
     with pytest.raises(DefinitionError) as reported:
         tree.Repeat(3, tree.Wait(1))  # type: ignore[arg-type]
     assert "Repeat(child, num_success, …): /child: a tree node is an object, not 3" in str(reported.value)
+
+
+def test_what_it_prints_is_what_it_was_given() -> None:
+    assert repr(Action("go", timeout_s=5)) == "Action(timeout_s=5.0, action='go')"
 
 
 def test_a_wrong_attribute_is_reported_with_the_right_one() -> None:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from rai_missions.model import AnyOf, TaggedModel, Text
@@ -14,6 +14,12 @@ if TYPE_CHECKING:
     from rai_missions.states.tree.behaviour import BehaviourLeaf
 
 __all__ = ("Decorator", "TreeNode", "TreeNodes", "depth")
+
+INSTEAD: Mapping[str, str] = {
+    "guard": "; put it in tree.Check(…)",
+    "state": "; the nodes of trees are in rai_missions.states.tree: tree.Action(…)",
+}
+"""The family of what an author in Python gave for a node → what to write."""
 
 
 class TreeNode(TaggedModel, family=TREE):
@@ -28,6 +34,13 @@ class TreeNode(TaggedModel, family=TREE):
 
     name: Text = ""
     """For pictures; without it the node is called by its word."""
+
+    @classmethod
+    def remedy(cls, data: Any) -> str:
+        """The node that a guard, a reference or a state most likely means."""
+        is_model, is_reference = isinstance(data, TaggedModel), bool(getattr(data, "__path__", ""))
+        family = data.family if is_model else "guard" if is_reference else ""
+        return INSTEAD.get(family, super().remedy(data))
 
     def branches(self) -> Iterator[tuple[str, TreeNode]]:
         """Its children, each with the pointer from here."""
