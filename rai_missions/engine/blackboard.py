@@ -10,7 +10,6 @@ from rai_missions.engine.program import Program
 from rai_missions.engine.state import RunState
 from rai_missions.guards.guard import Truth, foreign_truth
 from rai_missions.keys import Key, Stamped, stale_at, type_error
-from rai_missions.redaction import clipped
 
 __all__ = ("ask_named", "is_other", "known", "note_news", "value_at", "write_key")
 
@@ -74,13 +73,7 @@ def ask_named(program: Program, state: RunState, name: str, arguments: Mapping[s
     keys, now = program.keys, state.at
     fresh = {key: entry.value for key, entry in state.board.items() if now < stale_at(keys.get(key), entry)}
     notes, note = state.draft.notes, len(state.draft.notes)
-    value = foreign_truth(lambda: _truth(predicate(fresh, **arguments)), name, notes.append)
+    value = foreign_truth(lambda: predicate(fresh, **arguments), name, notes.append)
     raised = f"#{note}" if len(notes) > note else ""
     state.draft.looked.append((f"named:{name}{raised}", value))
     return value
-
-
-def _truth(value: object) -> Truth:
-    if value is None or isinstance(value, bool):
-        return value
-    raise TypeError(f"it returned {clipped(repr(value), 60)}; give True, False, or None for unknown")

@@ -8,7 +8,6 @@ from typing import Any
 
 from rai_missions.errors import UsageError
 from rai_missions.guards.guard import Guard, Site
-from rai_missions.guards.purity import impurity
 from rai_missions.keys import Key, Stamped
 from rai_missions.model import TaggedModel
 from rai_missions.redaction import clipped, shown
@@ -50,8 +49,8 @@ def check_kind(part: TaggedModel, sort: str, lines: Callable[[], Iterable[str]])
     if not isinstance(given, TaggedModel):
         raise UsageError(f"to its contract is held one {sort}, made by its class, and not {shown(given, by=clipped)}")
     kind = type(part)
-    why = impurity(kind) if kind in kind.foreign else ""
-    assert not why, f"'{part.word}' is no pure {sort}: {why}"
+    why = kind.admit(kind) if kind in kind.foreign else ""
+    assert not why, f"'{part.word}' may not be used as {'an' if sort[0] in 'aeiou' else 'a'} {sort}: {why}"
     assert kind.model_validate(part.written()) == part, f"'{part.word}' is not what it is written as"
     assert all(line.strip() and "\n" not in line for line in lines()), (
         f"'{part.word}' has no words, or more than a line"

@@ -349,7 +349,7 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
 
     @classmethod
     def admit(cls, kind: type[Any]) -> str:
-        return super().admit(kind) or impurity(kind)
+        return super().admit(kind) or _lack(kind) or impurity(kind)
 
     @classmethod
     def choose(cls, data: Mapping[str, Any]) -> str:
@@ -388,21 +388,28 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
         raise TypeError("a guard has no truth of its own; combine guards with & | ~, not with and, or, not")
 
 
+def _lack(kind: type[Guard]) -> str:
+    lacks = [f"'{name}'" for name in ("compile", "words") if getattr(kind, name) is getattr(Guard, name)]
+    return f"it lacks {' and '.join(lacks)}" if lacks else ""
+
+
 class RaisedBefore(Exception):
     """What a predicate raised in the run that is replayed; its text is the note of then."""
 
 
 def foreign_truth(ask: Callable[[], object], word: str, note: Callable[[str], object]) -> Truth:
-    """What code of others makes of a guard: unknown, with a note, where it raises; unknown also for no boolean."""
+    """What code of others makes of a guard: unknown, with a note, where it raises or returns no truth."""
     try:
         value = ask()
+        if value is None or isinstance(value, bool):
+            return value
+        raise TypeError(f"it returned {clipped(repr(value), 60)}; give True, False, or None for unknown")
     except RaisedBefore as error:
         note(str(error))
         return None
     except Exception as error:  # noqa: BLE001 - the code of a user or of another package
         note(f"guard '{word}' raised {type(error).__name__}: {in_words(error)}")
         return None
-    return value if isinstance(value, bool) else None
 
 
 GuardOrKey: TypeAlias = Guard | HasPath

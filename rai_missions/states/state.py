@@ -218,7 +218,7 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
 
     @classmethod
     def admit(cls, kind: type[Any]) -> str:
-        return super().admit(kind) or impurity(kind)
+        return super().admit(kind) or _lack(kind) or impurity(kind)
 
     def machine(self, bench: Any) -> Any:
         """The machine of a kind of another package, which may know the engine; the format's own kinds register theirs.
@@ -444,3 +444,8 @@ def _no_flag(data: Mapping[str, Any]) -> str:
     rather = "write it in the place of 'states', without 'initial'" if "states" in data else "name them"
     regions, given = '{"left": {…}, "right": {…}}', str(data["parallel"]).lower()
     return f"'parallel' holds the regions themselves, {regions}, not {given}; {rather}, or take it away"
+
+
+def _lack(kind: type[State]) -> str:
+    runs = any(getattr(kind, name) is not getattr(State, name) for name in ("made", "root", "machine"))
+    return "" if runs else "it has neither 'made' nor 'machine', so it runs nothing"

@@ -28,6 +28,7 @@ from rai_missions.engine.snapshot_json import packed, unpacked
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.event import Event
 from rai_missions.guards import Compare, Fresh, Guard, Site
+from rai_missions.guards.contract import check_kind
 from rai_missions.guards.guard import Operand
 from rai_missions.journal import Header, Journal, read
 from rai_missions.keys import Key
@@ -509,7 +510,7 @@ def test_a_kind_whose_code_raises_or_makes_what_is_of_no_use_is_refused_where_it
     code = (
         f"from rai_missions.guards.guard import Guard\nfrom rai_missions.states import State\n\n"
         f"class Odd({of}, word='odd'):\n    odd: str\n    def compile(self, site): return lambda view: True\n"
-        f"    def {body}\n"
+        f"    def machine(self, bench): return None\n    def {body}\n"
     )
     site = laid_out(tmp_path, package, "1.0", offers=f"[rai_missions.{group}]\nodd = {package}:Odd\n", code=code)
     sys.path.insert(0, str(site))
@@ -523,8 +524,39 @@ def test_a_kind_whose_code_raises_or_makes_what_is_of_no_use_is_refused_where_it
     assert text == f"Mission(…): {place}: the {sort} 'odd' of {package.replace('_', '-')} 1.0 cannot be used: {why}"
 
 
+@pytest.mark.parametrize(
+    ("of", "methods", "why"),
+    [
+        ("Guard", "compile", "it lacks 'words'"), ("Guard", "words", "it lacks 'compile'"),
+        ("Guard", "wrds", "it lacks 'compile' and 'words'"),
+        ("State", "mde", "it has neither 'made' nor 'machine', so it runs nothing"),
+    ],
+)  # fmt: skip
+def test_a_kind_that_lacks_a_method_is_refused_where_it_is_written_and_by_its_contract(
+    tmp_path: Path, of: str, methods: str, why: str
+) -> None:
+    package, sort = f"kinds_{tmp_path.name}", "guard" if of == "Guard" else "activity"
+    code = (
+        "from rai_missions.guards.guard import Guard\nfrom rai_missions.states import State\n\n"
+        f"class Odd({of}, word='odd'):\n    odd: str = 'x'\n    def {methods}(self, *_): return 'odd'\n"
+    )
+    group = "guards" if of == "Guard" else "activities"
+    site = laid_out(tmp_path, package, "1.0", offers=f"[rai_missions.{group}]\nodd = {package}:Odd\n", code=code)
+    sys.path.insert(0, str(site))
+    try:
+        state = {"transitions": [{"when": {"odd": "x"}, "to": "b"}]} if of == "Guard" else {"odd": "x"}
+        text = fault(lambda: Mission("m", uses=[package], initial="a", states={"a": state, "b": {"final": "aborted"}}))
+        kind = sys.modules[package].Odd
+    finally:
+        del sys.path[0]
+    assert text.endswith(f"the {sort} 'odd' of {package.replace('_', '-')} 1.0 cannot be used: {why}")
+    with pytest.raises(AssertionError, match=re.escape(why)):
+        check_kind(kind.model_construct(odd="x"), sort, lambda: ("odd",))
+
+
 @pytest.mark.parametrize(("value", "active", "notes"), [
-    ("yes", {"b"}, ()), ("no", {"a"}, ("guard 'brittle' raised KeyError: 'no'",)), ("", {"a"}, ()),
+    ("yes", {"b"}, ()), ("no", {"a"}, ("guard 'brittle' raised KeyError: 'no'",)),
+    ("", {"a"}, ("guard 'brittle' raised TypeError: it returned 'empty'; give True, False, or None for unknown",)),
 ])  # fmt: skip
 @pytest.mark.parametrize("is_inside", [False, True])
 def test_a_foreign_guard_that_raises_or_is_no_truth_is_unknown(
