@@ -249,10 +249,16 @@ def _sentence(item: Any, model: type[Any] | None, known: Collection[str]) -> str
         return f"no such choice: {shown(given)}{near}"
     if kind in WANTED:
         what, _, remedy = WANTED[kind].partition("; ")
-        return f"{shown(given)} is {what}{uncalled(given) or f'; {remedy}'}"
+        return f"{shown(given)} is {what}{uncalled(given) or _of_a_run(given) or f'; {remedy}'}"
     if kind in BOUNDED:
         return BOUNDED[kind](given, ctx)
     return f"{shown(given)} does not belong here: {item['msg'][:1].lower()}{item['msg'][1:]}"
+
+
+def _of_a_run(given: object) -> str:
+    """The remedy for a reference to a key or a field in Python, where only a constant fits; empty for all else."""
+    is_reference = isinstance(getattr(given, "__path__", None), str)
+    return "; its value is known in a run: write a constant" if is_reference else ""
 
 
 def _missing(word: str, model: type[Any] | None, known: Collection[str]) -> str:

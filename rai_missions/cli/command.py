@@ -52,6 +52,10 @@ class Argument(NamedTuple):
     parse: Callable[[str], Any] | None = None
     """Reads the text instead of the type; raises `argparse.ArgumentTypeError`."""
 
+    def takes(self, file: str) -> bool:
+        """Whether a file has an ending of its own."""
+        return any(file.endswith(pattern[1:]) for pattern in self.files if pattern != "*")
+
 
 MissionFile = Annotated[str, Argument("MISSION", files=("*.json", "*.py"))]
 ProfileFile = Annotated[str, Argument("PROFILE", files=("*.json",))]
@@ -174,14 +178,20 @@ class Command:
         self.configure(parser)
         namespace, unknown = parser.parse_known_intermixed_args(words)
         if unknown:
-            from rai_missions.errors import suggestion
-
-            near = suggestion(unknown[0].partition("=")[0], [each.flag for each in self.parameters()])
-            parser.error(f"unrecognized arguments: {' '.join(unknown)}{near if unknown[0].startswith('-') else ''}")
+            parser.error(f"unrecognized arguments: {' '.join(unknown)}{self._meant(unknown[0])}")
         made = {each.name: each for each in self.parameters()}
         given = {name: made[name].value(value, parser) for name, value in vars(namespace).items()}
         options = self._options()
         return given if options is None else {"options": options(**given)}
+
+    def _meant(self, unknown: str) -> str:
+        """The option that is meant by a word that is none, or the options that take a file of its ending."""
+        if unknown.startswith("-"):
+            from rai_missions.errors import suggestion
+
+            return suggestion(unknown.partition("=")[0], [each.flag for each in self.parameters()])
+        takers = [each.flag for each in self.parameters() if each.flags and each.argument.takes(unknown)]
+        return f"; write {' or '.join(f'{flag} {unknown}' for flag in takers)}" if takers else ""
 
     def configure(self, parser: argparse.ArgumentParser, complete: Callable[..., object] | None = None) -> None:
         """Have a parser read its arguments.

@@ -111,6 +111,23 @@ def test_words_of_a_command_line_become_typed_arguments_in_any_order(
     assert capsys.readouterr().out == f"{given}\n"
 
 
+@pytest.mark.parametrize(
+    ("words", "options"),
+    [
+        ("run m.json robot.py", "write --robot robot.py or --guards robot.py"),
+        ("run m.json x.journal", "write --resume x.journal or --journal x.journal"),
+        ("draw m.json x.journal", "write --journal x.journal"),
+        ("run m.json x.txt", "unrecognized arguments: x.txt"),
+    ],
+)
+def test_a_file_that_lacks_its_option_is_answered_with_those_that_take_its_ending(
+    words: str, options: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit):
+        main(words.split())
+    assert capsys.readouterr().err.rstrip().endswith(options)
+
+
 @pytest.mark.usefixtures("_count")
 @pytest.mark.parametrize(
     ("words", "sentence"),

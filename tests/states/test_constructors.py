@@ -15,7 +15,7 @@ import jedi
 import pytest
 from pydantic_core import PydanticUndefined
 
-from rai_missions import After, DefinitionError, EventSpec, Key, Keys, Log, Mission, On, Ref, When, states
+from rai_missions import After, DefinitionError, EventSpec, Key, Keys, Log, Mission, On, Ref, Set, When, states
 from rai_missions.guards import Guard, Named
 from rai_missions.model import MissionModel, Seconds
 from rai_missions.states import Action, Budget, Decision, DecisionSpec, Default, Option, Transition, tree
@@ -132,6 +132,11 @@ def test_functions_for_authors_explain_their_words(function: Any) -> None:
         (
             lambda: states.Compound(initial="go", states={"go": tree.Wait(1)}),
             "/states/go: a state is an object, not a tree node; a tre",
+        ),
+        (lambda: Set("n", add=Ref("k")), "/add: <k> is not a number; its value is known in a run: write a constant"),
+        (
+            lambda: Action("go", goal=Ref("k")),
+            "/goal: <k> is not an object; its value is known in a run: write a const",
         ),
         (lambda: Option("go", whn=1), "Option(…): /whn: an option has no 'whn'; did you mean 'when'?"),
         (lambda: tree.Call("horn", timeot_s=1), "a tree node with 'call' has no 'timeot_s'; did you mean 'timeout_s'?"),

@@ -83,7 +83,7 @@ class RunOptions(NamedTuple):
     no_operator: bool = False
     guards: GuardsFile | None = None
     no_python: bool = False
-    journal: Annotated[str | None, Argument("FILE", files=("*",))] = None
+    journal: Annotated[str | None, Argument("FILE", files=("*", "*.journal"))] = None
     record: Annotated[str | None, Argument("FILE.mcap", files=("*.mcap",))] = None
     picture: Annotated[str | None, Argument("FILE", files=("*",))] = None
     speed: Annotated[float | None, Argument("N|max", parse=_speed)] = None
