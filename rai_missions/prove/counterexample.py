@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.engine import Chart
 from rai_missions.engine.robot_facts import RobotFacts
-from rai_missions.engine.step import Ask, CallService, StartBehaviour, StartGoal, Step
+from rai_missions.engine.step import Ask, CallService, Cause, StartBehaviour, StartGoal, Step
 from rai_missions.event import Event, Tick
 from rai_missions.guards.guard import Truth
 from rai_missions.journal import Journal
@@ -55,6 +55,8 @@ class TraceStep(NamedTuple):
     """The states that are active afterwards."""
     outcome: str | None
     why: str
+    cause: Cause
+    false_invariant: str
 
 
 def ways_to(space: Space, claim: Property) -> list[Edge]:
@@ -112,7 +114,8 @@ def _scene(environment: Environment, way: Edge) -> TraceStep:
     assert is_possible
     facts = {name: _plain(entry) for name, entry in world.board.entries() if name in world.open_keys}
     event, found = environment.inputs.example, environment.control.found
-    return TraceStep(way.words, event, owner, stale, facts, found, values, chart.active, chart.outcome, chart.why)
+    ended = chart.outcome, chart.why, chart.cause, chart.false_invariant
+    return TraceStep(way.words, event, owner, stale, facts, found, values, chart.active, *ended)
 
 
 def _plain(entry: Any) -> Any:
@@ -151,9 +154,10 @@ class TraceReplayer:
         return self._is_reached(run[-1])
 
     def _is_reached(self, scene: TraceStep) -> bool:
-        if scene.outcome is None:
-            return self._chart.outcome is None and self._chart.active == scene.active
-        return (self._chart.outcome, self._chart.why) == (scene.outcome, scene.why)
+        chart = self._chart
+        if (chart.outcome, chart.cause, chart.false_invariant) != (scene.outcome, scene.cause, scene.false_invariant):
+            return False
+        return chart.active == scene.active or scene.cause == "cycle"  # which end it in the midst of their rounds
 
     def _predicate(self, name: str) -> Callable[..., Truth]:
         return lambda known, **arguments: self._predicates.get(name)
