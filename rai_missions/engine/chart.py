@@ -323,6 +323,11 @@ class Chart:
         return tuple(sorted(self.state.active, key=lambda name: nodes[name].index))
 
     @property
+    def rounds(self) -> Mapping[str, tuple[int, int]]:
+        """Active `each` → how many of its items are over, and how many it has: those of its entry."""
+        return {name: (over, len(items)) for name, (items, over) in tuple(self.state.rounds.items())}
+
+    @property
     def outcome(self) -> FinalOutcome | None:
         """How the mission ended; None while it runs."""
         return self.state.outcome

@@ -191,6 +191,11 @@ class RunView:
         return self._chart.active
 
     @property
+    def rounds(self) -> Mapping[str, tuple[int, int]]:
+        """Active `each` → how many of its items are over, and how many it has."""
+        return self._chart.rounds
+
+    @property
     def board(self) -> Blackboard:
         """Key → the value that was last received, with its stamp."""
         return dict(self._chart.view.board)

@@ -6,7 +6,7 @@ Rule: only what the mission itself compares is a progress; nothing is estimated.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from rai_missions.conversation import ProgressView
 from rai_missions.guards import Compare
@@ -20,14 +20,22 @@ from rai_missions.states.state import State
 __all__ = ("progress",)
 
 
-def progress(mission: Mission, active: frozenset[str], board: Blackboard) -> Iterator[ProgressView]:
-    """How far the active states are, then how far the mission is from its only success; each key once."""
+def progress(
+    mission: Mission, active: frozenset[str], board: Blackboard, rounds: Mapping[str, tuple[int, int]]
+) -> Iterator[ProgressView]:
+    """How far the active states are, then how far the mission is from its only success; each key once.
+
+    Args:
+        mission: The mission.
+        active: Its active states.
+        board: What is known.
+        rounds: As `Chart.rounds`.
+    """
     seen: set[str] = set()
-    walked = [(name, state) for _, name, state in mission.walk()]
-    current = [state for name, state in walked if name in active]
-    successes = [state for state in mission.states.values() if _is_success(state)]
-    for state in (*current, *(successes if len(successes) == 1 else ())):
-        for found in _of(state, mission, board):
+    current = [(name, state) for _, name, state in mission.walk() if name in active]
+    successes = [(name, state) for name, state in mission.states.items() if _is_success(state)]
+    for name, state in (*current, *(successes if len(successes) == 1 else ())):
+        for found in _of(state, mission, board, rounds.get(name)):
             if found.of not in seen:
                 seen.add(found.of)
                 yield found
@@ -37,9 +45,11 @@ def _is_success(state: State) -> bool:
     return getattr(state, "final", None) == "succeeded"
 
 
-def _of(state: State, mission: Mission, board: Blackboard) -> Iterator[ProgressView]:
-    if isinstance(state, Each):
-        yield from _listed(state, mission, board)
+def _of(state: State, mission: Mission, board: Blackboard, round_: tuple[int, int] | None) -> Iterator[ProgressView]:
+    if isinstance(state, Each) and round_ is not None:
+        over, total = round_
+        about = mission.blackboard[state.each].about if state.each in mission.blackboard else ""
+        yield ProgressView(state.each, over, total, about)
     for guard in (getattr(state, "achieved", None), getattr(state, "requires", None)):
         yield from _counted(guard, mission, board)
 
@@ -55,16 +65,6 @@ def _counted(guard: Guard | None, mission: Mission, board: Blackboard) -> Iterat
     if key is None or key.type != "integer" or done is None or not isinstance(total, int | float) or total <= 0:
         return
     yield ProgressView(guard.key, min(done, float(total)), float(total), key.about)
-
-
-def _listed(state: Each, mission: Mission, board: Blackboard) -> Iterator[ProgressView]:
-    """Which item of its list a state is at; nothing where two items are equal, since the value alone is known."""
-    items, item = board.get(state.each), board.get(state.item)
-    if items is None or item is None or not isinstance(items.value, list | tuple):
-        return
-    if list(items.value).count(item.value) == 1:
-        about = mission.blackboard[state.each].about if state.each in mission.blackboard else ""
-        yield ProgressView(state.each, float(list(items.value).index(item.value)), float(len(items.value)), about)
 
 
 def _number(board: Blackboard, path: str | None) -> float | None:

@@ -55,6 +55,7 @@ class ReportedRun:
     # what changes without anything for a dialogue to do
     wanted: frozenset[str] = field(default=frozenset(), compare=False)
     board: Blackboard = field(default_factory=dict, compare=False)
+    rounds: Mapping[str, tuple[int, int]] = field(default_factory=dict, compare=False)
     entered: Mapping[str, float] = field(default_factory=dict, compare=False)
     happened: tuple[RunEvent, ...] = field(default=(), compare=False)
 
@@ -95,6 +96,7 @@ class RunStatus:
             run.paused_at,
             wanted=run.wanted,
             board=run.board,
+            rounds=run.rounds,
         )
 
     @property
@@ -108,7 +110,13 @@ class RunStatus:
         """Follow a step; whether a dialogue is to look again."""
         run, was, status, event = self._runner.view, self._reported, self._status, step.event
         now = replace(
-            was, status=status, waits=self._runner.waits, questions=run.questions, wanted=run.wanted, board=run.board
+            was,
+            status=status,
+            waits=self._runner.waits,
+            questions=run.questions,
+            wanted=run.wanted,
+            board=run.board,
+            rounds=run.rounds,
         )
         if event.kind == "command" and event.name == "start" and not step.refusal:
             now = replace(now, began=step.at)
@@ -187,7 +195,7 @@ class RunStatus:
             identity=self._robot.identity,
             build=self._robot.build,
             missions=self._missions,
-            progress=tuple(progress(mission, frozenset(active), board)),
+            progress=tuple(progress(mission, frozenset(active), board, reported.rounds)),
             happened=reported.happened,
             since=reported.entered.get(state),
             mode_by=reported.mode_by,
