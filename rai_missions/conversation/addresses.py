@@ -41,6 +41,12 @@ class Addresses:
         self._stating = rules.states | rules.acts | rules.strong | rules.work | rules.scene
         self._unknown = re.compile(data["unknown_pattern"], re.IGNORECASE)
         self._condition = re.compile(data["condition_pattern"], re.IGNORECASE)
+        self._condition_of_talk = re.compile(rf"\b(?:{data['condition_of_talk_pattern']})\s*(?:[,:]|(?=[.!?]|$))", re.I)
+
+    def unconditioned(self, text: str) -> str:
+        """A text without conditions of talk, which leave nothing unknown: `if you want to know`, `if you ask me`."""
+        main = self._condition_of_talk.sub(" ", text).strip()
+        return main if self._rules.words(main) else text
 
     def known(self, text: str) -> str:
         """A text without what it leaves unknown: a condition, and what follows `I do not know where`."""

@@ -6,7 +6,7 @@ subject, or whose passive leaves open who did it, or whose subject is a certain 
 `3 of 4`, never passes. What cannot be judged, as of another language, is replaced as well. Of what is left a sentence
 passes with a mark of what is no report alone: a question, a modal, a condition, a kind of things, a definition.
 What is in doubt by these rules passes where its words are those of harmless sentences, and a sentence whose words are
-those of claims never does (`claim_score`).
+those of claims never does (`claim_score`). What is in brackets or behind a dash is also judged by itself.
 Rule: in doubt it is a claim. A harmless sentence that is replaced costs a sentence; a claim that passes costs trust.
 """
 
@@ -42,6 +42,9 @@ CERTAIN: frozenset[ClaimKind] = frozenset(("script", "language", "result", "subj
 """The kinds that no score of a sentence's words takes back."""
 CLAUSES = re.compile(r"(?:,(?!\d)|[;:()\n–—…|/])+|\s-+\s|[.!?]+\s+|(?<!\b[ioa][nft] )\b(?=that\b(?!\s\w+\W*$))", re.I)
 """Where a clause ends; `in that case` and `I know that name` are one."""
+BRACKETED = re.compile(r"[(\[{]([^()\[\]{}]*)[)\]}]")
+STATEMENTS = re.compile(r"\s[–—-]+\s|;\s")
+"""Where another statement begins that is a sentence by itself."""
 DISGUISES = str.maketrans({"0": "o", "1": "i", "3": "e", "4": "a", "5": "s", "7": "t", "@": "a", "$": "s"})
 MIXED = re.compile(r"\b(?!\d{4}s\b)(?=\w*[^\W\d_])(?=\w*\d)\w+|\b\w*[@$]\w+")
 SPACED = re.compile(r"(?<![\w'])(?:(?:[^\W\d_]|') ){2,}[^\W\d_](?![\w'])")
@@ -115,6 +118,12 @@ class Claims:
             sentence: One sentence of a model.
             view: The run: its robot, mission, states and keys are subjects, too.
         """
+        parts = [self._addresses.unconditioned(plain(each)) for each in statements(sentence)]
+        judged = [sentence] if parts == [plain(sentence)] else [sentence, *parts]
+        return next(filter(None, (self._why(each, view) for each in judged)), "")
+
+    def _why(self, sentence: str, view: StatusView) -> ClaimKind:
+        """See `why_replaced`; of a sentence that is one statement."""
         kind = self.why_suspected(sentence, view)
         if kind in CERTAIN:
             return kind
@@ -226,6 +235,13 @@ class Claims:
         if len(words) <= SHORT:
             return "" if share else "fragment"
         return "" if self._weights.is_language_of(text) else "language"
+
+
+def statements(sentence: str) -> list[str]:
+    """The statements of a sentence that could be sentences: in brackets, and on each side of a dash or semicolon."""
+    texts = [BRACKETED.sub(" ", sentence), *BRACKETED.findall(sentence)]
+    parts = [each for text in texts for each in STATEMENTS.split(text) if any(map(str.isalnum, each))]
+    return [each if ENDS.search(each) else f"{each.rstrip()}." for each in parts] if parts[1:] else [sentence]
 
 
 def scored_clauses(text: str) -> list[str]:
