@@ -9,8 +9,10 @@ from typing import Any
 
 import pytest
 
+from rai_missions.agents.talk.settings import settings_of
 from rai_missions.answerers.script import ScriptAnswerer
 from rai_missions.check import check
+from rai_missions.conversation import Dialogue, KeyView, MissionView, Speech, StatusView, Utterance
 from rai_missions.mission.files import dump, load
 from rai_missions.profile import load_profile, missing
 from rai_missions.replay.replay import replay
@@ -39,6 +41,21 @@ def test_over_ros_nothing_is_another_but_the_way_there_the_button_and_the_topics
     over_ros = other if other["connector"]["kind"] == "ros2" else one
     assert over_ros["conversation"].pop("hri")
     assert {key for key in one if one[key] != other[key]} == {"name", "about", "connector", "events"}
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_how_far_it_is_is_the_way_of_the_mission_unless_what_is_ahead_is_meant(name: str) -> None:
+    settings = settings_of(load_profile(ROSBOT / name).conversation)
+    keys = {each: KeyView(each, "number", value=1.58, age_s=0.1) for each in settings.questions.values()}
+    view = StatusView(run="r", mode="running", mission="assist", missions=(MissionView("assist"),), keys=keys)
+
+    def answer(question: str) -> str:
+        outputs = Dialogue(settings, view).on_utterance(Utterance(question, "operator", "terminal", at=1.0), view)
+        return " ".join(each.text for each in outputs if isinstance(each, Speech))
+
+    assert "1.58" not in answer("how far is it?")
+    for asked in ("how far is it ahead?", "how far is the next obstacle?", "how far is the wall in front of you?"):
+        assert "1.58" in answer(asked), asked
 
 
 @pytest.mark.sim
