@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a person is shown and asked, in words: a question, its options, and the parameters of the one chosen.
 
-Rule: a typed word is turned into what the JSON Schema asks for or refused with what would be right; whether the whole
-is valid is judged elsewhere.
+Rule: a typed word is turned into what the JSON Schema asks for or refused with what would be right, and costs no
+attempt; whether the whole is valid is judged elsewhere.
 """
 
 from __future__ import annotations
@@ -14,11 +14,13 @@ from typing import Any, NamedTuple
 
 from rai_missions.answerers.terminal_input import printable
 from rai_missions.engine.decision import Offer, Question
+from rai_missions.mission.option_parameters import parameter_faults
 from rai_missions.plain_data import is_number, json_value
 from rai_missions.redaction import cut
 
 __all__ = ("Blank", "blanks", "chosen", "question_lines")
 
+NO_SCHEMA: Mapping[str, Any] = {}
 TRUTHS = {"true": True, "yes": True, "y": True, "false": False, "no": False, "n": False}
 
 
@@ -50,17 +52,20 @@ class Blank(NamedTuple):
     name: str
     schema: Mapping[str, Any]
     required: bool
+    whole: Mapping[str, Any] = NO_SCHEMA
+    """The option's `parameters`, into which its references lead."""
 
     def prompt(self) -> str:
-        """`speed (number, m/s; empty for 1.0): `."""
+        """`speed (number, 0 to 3, m/s; empty for 1.0): `."""
         kind = " or ".join(map(_shown, self.schema["enum"])) if "enum" in self.schema else _kind(self.schema)
         about = str(self.schema.get("description", ""))
         if "default" in self.schema:
             empty = f"empty for {_shown(self.schema['default'])}"
         else:
             empty = "" if self.required else "empty to leave it out"
-        inside = ", ".join(part for part in (kind, about) if part)
-        return printable(f"{self.name} ({'; '.join(part for part in (inside, empty) if part)}): ")
+        inside = ", ".join(part for part in (kind, _range(self.schema), about) if part)
+        known = "; ".join(part for part in (inside, empty) if part)
+        return printable(f"{self.name} ({known}): " if known else f"{self.name}: ")
 
     def value(self, typed: str) -> Any:
         """What a line means here.
@@ -77,7 +82,15 @@ class Blank(NamedTuple):
             raise KeyError(self.name)
         if "enum" in self.schema:
             return _one_of(typed.strip(), self.schema["enum"])
-        return _converted(typed, _kind(self.schema))
+        value = _converted(typed, _kind(self.schema))
+        if why := self._misfit(value):
+            raise ValueError(why)
+        return value
+
+    def _misfit(self, value: Any) -> str:
+        """Why the schema takes no such value here, whatever the other parameters are; empty if it does."""
+        alone = {word: self.whole[word] for word in ("properties", "$defs") if word in self.whole}
+        return parameter_faults(alone, {self.name: value}).removeprefix("$.")
 
 
 def blanks(offer: Offer) -> tuple[Blank, ...]:
@@ -85,13 +98,22 @@ def blanks(offer: Offer) -> tuple[Blank, ...]:
     schema = offer.parameters or {}
     properties, required = schema.get("properties", {}), schema.get("required", [])
     return tuple(
-        Blank(name, field if isinstance(field, Mapping) else {}, name in required) for name, field in properties.items()
+        Blank(name, field if isinstance(field, Mapping) else {}, name in required, schema)
+        for name, field in properties.items()
     )
 
 
 def _kind(schema: Mapping[str, Any]) -> str:
     kind = schema.get("type", "")
     return kind if isinstance(kind, str) else ""
+
+
+def _range(schema: Mapping[str, Any]) -> str:
+    """`1 to 9`, for a number with bounds."""
+    least, most = schema.get("minimum"), schema.get("maximum")
+    if least is None:
+        return "" if most is None else f"at the most {most}"
+    return f"{least} or more" if most is None else f"{least} to {most}"
 
 
 def _shown(value: Any) -> str:

@@ -183,6 +183,40 @@ def test_parameters_are_asked_for_one_by_one(desk: Desk) -> None:
     assert reported.wait()["parameters"] == {"speed": 1.5, "times": 2, "loud": True, "colour": "green"}
 
 
+def test_a_parameter_that_its_schema_refuses_is_asked_for_again_and_costs_no_attempt(desk: Desk) -> None:
+    count = {"type": "integer", "minimum": 1, "maximum": 9, "description": "pallets"}
+    parameters = {
+        "type": "object", "required": ["count", "place"],
+        "properties": {"count": count, "again": {"$ref": "#/properties/count"}, "place": {"$ref": "#/$defs/place"}},
+        "$defs": {"place": {"type": "string", "pattern": "^[A-F][0-9]$"}},
+    }  # fmt: skip
+    reported = desk.ask(QUESTION._replace(options=(Offer("report", parameters=parameters),)))
+    for prompt, typed in (
+        (PROMPT, "1\n"),
+        ("count (integer, 1 to 9, pallets): ", "12\n"),
+        ("count: 12 is greater than the maximum of 9.", "3\n"),
+        ("again (empty to leave it out): ", "0\n"),
+        ("again: 0 is less than the minimum of 1.", "4\n"),
+        ("place: ", "G7\n"),
+        ("place: 'G7' does not match '^[A-F][0-9]$'.", "F7\n"),
+    ):
+        desk.screen.wait(prompt)
+        desk.types(typed)
+    assert reported.wait()["parameters"] == {"count": 3, "again": 4, "place": "F7"}
+
+
+@pytest.mark.parametrize(
+    ("bounds", "words"),
+    [
+        ({"minimum": 1}, ", 1 or more"),
+        ({"maximum": 2.5}, ", at the most 2.5"),
+        ({"minimum": 0, "maximum": 9}, ", 0 to 9"),
+    ],
+)
+def test_the_bounds_of_a_number_are_shown(bounds: dict[str, float], words: str) -> None:
+    assert Blank("x", {"type": "number"} | bounds, required=True).prompt() == f"x (number{words}): "
+
+
 def test_what_was_typed_before_the_question_is_no_answer_to_it(desk: Desk) -> None:
     desk.types("3\n")
     reported = desk.ask()
