@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,7 @@ from rai_missions.agents.run_claims import claiming
 from rai_missions.agents.run_config import RunConfig, given_config
 from rai_missions.connectors.connector import Connector
 from rai_missions.connectors.python_robot import PythonRobot
+from rai_missions.errors import UsageError, suggestion
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
 from rai_missions.redaction import logger
@@ -44,8 +46,13 @@ def run(mission: Mission | str | Path, robot: Robot | PythonRobot | str | Path |
 
     Raises:
         DefinitionError: The mission or the profile is at fault.
-        UsageError: Something named is not there, or the mission has to receive facts and there is no robot.
+        UsageError: Something named is not there, an option is none of a run, or the mission has to receive facts and
+            there is no robot.
     """
+    known = [each.name for each in fields(RunConfig) if each.name not in ("mission", "robot")]
+    for name in options:
+        if name not in known:
+            raise UsageError(f"run takes no '{name}'{suggestion(name, known)}")
     with prepare(RunConfig(mission, robot, **options)) as prepared:
         return _run(prepared)
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, suggestion
 from rai_missions.guards.guard import Guard, GuardOrKey
 from rai_missions.keys import Key, PythonType, field_type
 from rai_missions.kinds import PackageOffer, lacking, named
@@ -255,7 +255,7 @@ class Mission(MissionModel):
         for _, found, state in self.walk():
             if found == name:
                 return state
-        raise KeyError(name)
+        raise KeyError(f"no state '{name}'{suggestion(name, (each for _, each, _ in self.walk()))}")
 
     def end_words(self, outcome: str | None, active: Iterable[str]) -> str:
         """What its author states about the end that a run has reached; empty where there is nothing.

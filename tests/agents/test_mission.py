@@ -74,6 +74,16 @@ def test_what_is_no_speed_is_refused_before_anything_is_opened(speed: Any) -> No
         run("none.json", speed=speed)
 
 
+def test_an_option_that_no_run_has_is_refused_with_the_nearest() -> None:
+    over = Mission.model_validate({"name": "m", "initial": "over", "states": {"over": {"final": "aborted"}}})
+    for word, sentence in (
+        ("modle", r"^run takes no 'modle'; did you mean 'model'\?$"),
+        ("guards", "^run takes no 'guards'; there is: "),
+    ):
+        with pytest.raises(UsageError, match=sentence):
+            run(over, **{word: None})
+
+
 def test_a_run_from_files_writes_a_journal_that_verifies(tmp_path: Path) -> None:
     (tmp_path / "mission.json").write_text(json.dumps({"format": 1, **ASKING}))
     rules = {"asks": [{"when": {"key": "low", "==": True}, "answer": "left"}]}

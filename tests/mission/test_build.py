@@ -240,3 +240,9 @@ def test_a_word_is_known_by_its_form_in_python_and_in_json() -> None:
     listed = {"each": "places", "item": "place", "initial": "a", "states": {"a": {}}}
     with pytest.raises(DefinitionError, match=r"/states/b/item: .* has no 'item'; did you mean 'as'\?"):
         validated(Mission, {"format": 1, "name": "m", "initial": "b", "states": {"b": listed}}, "m.json")
+
+
+def test_a_state_that_is_not_there_is_reported_with_the_nearest() -> None:
+    over = Mission("m", initial="over", states={"over": Final("aborted")})
+    with pytest.raises(KeyError, match=r"no state 'ovr'; did you mean 'over'\?"):
+        over.state("ovr")
