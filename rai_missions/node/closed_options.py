@@ -7,7 +7,7 @@ in Python, so an option whose guard names a predicate stays open here.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.engine.decision import Question
@@ -51,17 +51,23 @@ class ClosedOptions:
         self._mission = mission
         self._tests: dict[str, dict[str, tuple[Test, Guard]]] = {}
 
-    def now(self, questions: Iterable[Question], view: View, at: float) -> dict[int, dict[str, str]]:
+    def now(
+        self, questions: Iterable[Question], view: View, at: float, still_since: Callable[[str], float | None]
+    ) -> dict[int, dict[str, str]]:
         """Question → option → why it would be refused; from any thread.
 
         Args:
             questions: Those that are open.
             view: The run, to be read.
             at: Now, on the run's clock.
+            still_since: As `Chart.still_since`: a state in a pause or a hold has the age that it had then.
         """
-        seen = FrozenView(at, dict(view.board), view.active, dict(view.entered), dict(view.held))
+        run = FrozenView(at, dict(view.board), view.active, dict(view.entered), dict(view.held))
         found: dict[int, dict[str, str]] = {}
         for question in questions:
+            still = still_since(question.state)
+            stopped_s = 0.0 if still is None else at - still
+            seen = run._replace(entered={name: since + stopped_s for name, since in run.entered.items()})
             tests = self._tests_of(question.owner)
             each = {offer.name: tests[offer.name] for offer in question.options if offer.name in tests}
             values = {name: (test(seen), guard) for name, (test, guard) in each.items()}

@@ -175,7 +175,7 @@ class ShownRun(NamedTuple):
 
     def closed_options(self) -> Mapping[int, Mapping[str, str]]:
         """Question → option → why it would be refused now."""
-        return self.closed.now(self.questions(), self.view, self.now())
+        return self.closed.now(self.questions(), self.view, self.now(), self.view.still_since)
 
     def look(self) -> RunScene:
         """How the run is; read while it continues, so the number of the step that was reported last is read first."""
