@@ -2,7 +2,7 @@
 """A person at the terminal as anyone who is asked.
 
 Rule: a line counts only for the question on the screen when it was typed; a question that is withdrawn frees the
-terminal at once.
+terminal at once. The run withdraws one whose time is over: a pause, or an operator who takes control, stops that time.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class OperatorAgent:
 
     def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
         """Put a question behind those that are open."""
-        pending = PendingQuestion(question, answer)
+        pending = PendingQuestion(question, answer, is_hurried=False)
         fd = self._terminal()
         if fd is None:
             pending.reply({"absent": "no terminal"})
@@ -99,7 +99,7 @@ class OperatorAgent:
             return self._asked(pending, reader)
         except GaveUp:
             late = pending.open
-            self._write_last("time is over" if late else "no longer asked")
+            self._write_last("time is over" if late or pending.taken_s >= pending.asked_s > 0 else "no longer asked")
             return {"failed": f"no answer within {pending.taken_s:.1f} s"} if late else None
         except EOFError as end:
             return {"absent": str(end)}
@@ -109,7 +109,9 @@ class OperatorAgent:
     def _asked(self, pending: PendingQuestion, reader: LineReader) -> dict[str, Any]:
         question = pending.question
         reader.forget()
-        self._write("\n".join(("", *question_lines(question, pending.left_s), "")))
+        self._write(
+            "\n".join(("", *question_lines(question, min(pending.left_s, pending.asked_s - pending.taken_s)), ""))
+        )
         offer = self._choice(question, pending, reader)
         parameters: dict[str, Any] = {}
         for blank in blanks(offer):

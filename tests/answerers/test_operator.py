@@ -17,6 +17,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rai_missions.answerers.model import pending
 from rai_missions.answerers.question_text import Blank, blanks, chosen, question_lines
 from rai_missions.answerers.terminal_input import LineReader, printable
 from rai_missions.answerers.terminal_operator import OperatorAgent
@@ -255,6 +256,20 @@ def test_withdrawing_another_question_leaves_the_one_on_the_screen(desk: Desk) -
     assert reported.wait()["option"] == "abort"
     desk.agent.stop()
     assert other.all == []
+
+
+def test_a_question_is_open_until_the_run_withdraws_it(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pause, or an operator who takes control, stops the question's time, of which no clock of the terminal knows."""
+    monkeypatch.setattr(pending, "GRACE_S", 0.0)
+    reported = desk.ask(QUESTION._replace(until=QUESTION.at + 1e-6))
+    desk.screen.wait(PROMPT)
+    desk.types("abort\n")
+    assert reported.wait()["option"] == "abort"
+    withdrawn = desk.ask(QUESTION._replace(number=2, until=QUESTION.at + 1e-6))
+    desk.screen.wait(PROMPT, 2)
+    desk.agent.withdraw(2)
+    desk.screen.wait("(time is over)")
+    assert withdrawn.all == []
 
 
 def test_time_that_is_over_is_reported(desk: Desk) -> None:

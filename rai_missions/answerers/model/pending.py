@@ -28,17 +28,25 @@ class PendingQuestion:
         question: As it was asked.
         answer: Called at most once.
         longest_s: Wall time after which it is given up, where neither the question nor its budget is shorter.
+        is_hurried: The question's own time is wall time. Else its run alone ends it: a pause stops that time.
     """
 
     def __init__(
-        self, question: Question, answer: Callable[[Mapping[str, Any]], None], *, longest_s: float = math.inf
+        self,
+        question: Question,
+        answer: Callable[[Mapping[str, Any]], None],
+        *,
+        longest_s: float = math.inf,
+        is_hurried: bool = True,
     ) -> None:
         self.question = question
         self.began = time.monotonic()
         seconds = question.budget.seconds
         self.budget_s = min(longest_s, math.inf if seconds is None else seconds)
-        asked_s = question.until - question.at
-        self.ends = self.began + min(self.budget_s, asked_s + GRACE_S if asked_s > 0 else math.inf)
+        self.asked_s = question.until - question.at
+        """The question's own time."""
+        is_bounded = is_hurried and self.asked_s > 0
+        self.ends = self.began + min(self.budget_s, self.asked_s + GRACE_S if is_bounded else math.inf)
         """On `time.monotonic`."""
         self._on_answer = answer
         self._lock = threading.Lock()
