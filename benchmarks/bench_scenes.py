@@ -29,7 +29,8 @@ from rai_missions.campaign.scenes import scene
 from rai_missions.connectors.connector import Message
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
-from rai_missions.guards.guard import Guard, Site, View
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Site, View
 from rai_missions.keys import Key, Stamped
 from rai_missions.mission.files import load
 from rai_missions.model import AnyOf

@@ -20,7 +20,7 @@ from benchmarks.figures import figure, peak_bytes
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.ticker import TreeState
 from rai_missions.engine.trees import CompiledTrees
-from rai_missions.guards.guard import Truth
+from rai_missions.guards.view import Truth
 from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission
 from rai_missions.states.tree import TreeNode

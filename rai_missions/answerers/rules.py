@@ -10,7 +10,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rai_missions.engine.decision import Question
-from rai_missions.guards.guard import Guard, Site, Test, View
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Site, Test, View
 from rai_missions.keys import Key
 from rai_missions.redaction import cut
 

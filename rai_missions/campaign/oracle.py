@@ -14,7 +14,7 @@ from rai_missions.campaign.rollout import LONGEST_S, ROLLOUT_NEEDS, Branchable, 
 from rai_missions.engine import Chart
 from rai_missions.engine.decision import Question
 from rai_missions.errors import UsageError
-from rai_missions.guards.guard import View
+from rai_missions.guards.view import View
 from rai_missions.profile import Robot
 from rai_missions.runtime.view import RunView
 

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 
 from rai_missions.check.finding import Found
 from rai_missions.check.index import MissionIndex
-from rai_missions.guards.guard import Guard, Site
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Site
 from rai_missions.states.tree import (
     Action,
     Call,

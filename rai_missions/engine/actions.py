@@ -17,7 +17,7 @@ from rai_missions.engine.program import Program
 from rai_missions.engine.state import RunState, Trigger
 from rai_missions.engine.step import CallService, LogLine, PublishMessage, SayAloud
 from rai_missions.engine.timers import drop, next_number, set_timer
-from rai_missions.guards.guard import Operand, Site
+from rai_missions.guards.view import Operand, Site
 from rai_missions.keys import Key, Stamped, type_error
 from rai_missions.plain_data import is_number
 from rai_missions.redaction import clipped

@@ -8,7 +8,8 @@ from typing import Any
 
 from rai_missions.engine.program import Program
 from rai_missions.engine.state import RunState
-from rai_missions.guards.guard import Truth, foreign_truth
+from rai_missions.guards.guard import foreign_truth
+from rai_missions.guards.view import Truth
 from rai_missions.keys import Key, Stamped, stale_at, type_error
 
 __all__ = ("ask_named", "is_other", "known", "note_news", "value_at", "write_key")

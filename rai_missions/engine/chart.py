@@ -34,7 +34,7 @@ from rai_missions.engine.surroundings import Surroundings
 from rai_missions.engine.timing import look_ahead
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.event import Event
-from rai_missions.guards.guard import View
+from rai_missions.guards.view import View
 from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission, given_mission
 from rai_missions.states.final import FinalOutcome

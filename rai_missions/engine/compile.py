@@ -8,7 +8,8 @@ from collections.abc import Iterable, Mapping
 from rai_missions.engine.configuration import Configuration
 from rai_missions.engine.nodes import Act, CompiledGuard, CompiledTransition, Content, Node
 from rai_missions.errors import UsageError, escaped
-from rai_missions.guards.guard import Guard, Site, Truth
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Site, Truth
 from rai_missions.mission.mission import Mission
 from rai_missions.states.effects import Effect
 from rai_missions.states.final import Final

@@ -17,7 +17,7 @@ from rai_missions.engine.running import cancel_goals, leave_activity, outcome_of
 from rai_missions.engine.state import RunState, Trigger
 from rai_missions.engine.step import Cause
 from rai_missions.engine.timers import begins_at, late_s, now_of
-from rai_missions.guards.guard import Operand, Site
+from rai_missions.guards.view import Operand, Site
 from rai_missions.keys import type_error
 from rai_missions.states.compound import Each
 from rai_missions.states.final import Final, FinalOutcome, worst

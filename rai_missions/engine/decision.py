@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
 
 from rai_missions.event import Event
-from rai_missions.guards.guard import Test, Truth, View
+from rai_missions.guards.view import Test, Truth, View
 from rai_missions.image import Image
 from rai_missions.mission.option_parameters import parameter_faults
 from rai_missions.plain_data import apart, quoted

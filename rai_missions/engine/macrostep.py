@@ -29,7 +29,7 @@ from rai_missions.engine.program import Program
 from rai_missions.engine.running import begin_starting, leave_activity, outcome_of, poll
 from rai_missions.engine.state import RunState, StepDraft, Trigger
 from rai_missions.engine.timers import late_s, now_of, set_timer
-from rai_missions.guards.guard import Test, Truth
+from rai_missions.guards.view import Test, Truth
 from rai_missions.mission.mission import BUILT_IN_EVENTS
 
 __all__ = ("MOST_MICROSTEPS", "check_stopped", "complete", "enabled", "jump", "react")

@@ -6,7 +6,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-from rai_missions.guards.guard import Guard, Instant, Test
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Instant, Test
 from rai_missions.states.compound import Each, Parallel
 from rai_missions.states.final import Final
 from rai_missions.states.history import History

@@ -17,7 +17,7 @@ from rai_missions.engine.surroundings import Surroundings
 from rai_missions.engine.transitions import Graph
 from rai_missions.engine.trees import CompiledTrees
 from rai_missions.errors import UsageError
-from rai_missions.guards.guard import Truth
+from rai_missions.guards.view import Truth
 from rai_missions.mission.mission import Mission
 
 __all__ = ("Named", "Program")

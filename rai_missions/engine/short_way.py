@@ -26,7 +26,7 @@ from rai_missions.engine.stepping import close, make_step
 from rai_missions.engine.timers import late_s
 from rai_missions.engine.timing import next_instant
 from rai_missions.event import Event
-from rai_missions.guards.guard import Truth
+from rai_missions.guards.view import Truth
 from rai_missions.keys import Stamped, type_error
 from rai_missions.validation_errors import check_event
 

@@ -24,7 +24,7 @@ from rai_missions.engine.modes import Mode, RunMode, mode_of
 from rai_missions.engine.nodes import CompiledTransition, Node
 from rai_missions.engine.step import Cause, Move, Refusal
 from rai_missions.event import Event
-from rai_missions.guards.guard import Truth
+from rai_missions.guards.view import Truth
 from rai_missions.keys import Blackboard
 from rai_missions.states.final import FinalOutcome
 from rai_missions.states.state import Holder
@@ -208,7 +208,7 @@ def slot(default: Any, holds: Holds = "value", word: str = "") -> Any:
 
 @dataclass(slots=True, eq=False)
 class RunState:
-    """What one run remembers, and what guards see of it (`guards.guard.View`)."""
+    """What one run remembers, and what guards see of it (`guards.view.View`)."""
 
     # -- what guards see
     at: float = slot(0.0, "past")

@@ -12,7 +12,7 @@ from typing import Any, Literal, NamedTuple
 from rai_missions.engine.decision import Question, Verdict
 from rai_missions.engine.modes import Mode
 from rai_missions.event import Event
-from rai_missions.guards.guard import Truth
+from rai_missions.guards.view import Truth
 from rai_missions.plain_data import listed
 from rai_missions.states import answerer_words
 from rai_missions.states.final import FinalOutcome

@@ -27,7 +27,7 @@ from rai_missions.engine.step import Step
 from rai_missions.engine.surroundings import Surroundings
 from rai_missions.engine.timing import catch_up, look_ahead, look_for_time
 from rai_missions.event import Event
-from rai_missions.guards.guard import Truth
+from rai_missions.guards.view import Truth
 from rai_missions.keys import Stamped
 from rai_missions.mission.garbage import few_collections
 from rai_missions.mission.mission import Mission

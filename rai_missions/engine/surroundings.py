@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from rai_missions.engine.activities.activity import Machine
 from rai_missions.engine.nodes import Node
 from rai_missions.event import Event
-from rai_missions.guards.guard import Truth
+from rai_missions.guards.view import Truth
 from rai_missions.states.state import Holder
 
 if TYPE_CHECKING:

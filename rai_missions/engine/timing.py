@@ -16,7 +16,7 @@ from rai_missions.engine.program import Program
 from rai_missions.engine.running import leave_activity, outcome_of, poll, reads, resting, unfinished
 from rai_missions.engine.state import RunState, Timer, TimerKey, Trigger
 from rai_missions.engine.step import CancelGoal
-from rai_missions.guards.guard import Instant
+from rai_missions.guards.view import Instant
 
 __all__ = ("catch_up", "look_ahead", "look_for_time", "next_instant", "pass_instant")
 

@@ -14,7 +14,7 @@ from rai_missions.engine.compile import CompiledMission
 from rai_missions.engine.configuration import CompiledStep, Configuration
 from rai_missions.engine.nodes import Act, CompiledTransition, Memory, Node
 from rai_missions.engine.step import Move
-from rai_missions.guards.guard import presence
+from rai_missions.guards.view import presence
 from rai_missions.states.history import History
 
 __all__ = ("EnteredStates", "Graph", "is_done")

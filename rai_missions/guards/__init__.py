@@ -12,17 +12,18 @@ from rai_missions.guards.compare import Compare
 from rai_missions.guards.elapsed import Elapsed
 from rai_missions.guards.fresh import Fresh
 from rai_missions.guards.goal import GoalIs
-from rai_missions.guards.guard import Guard, Site, Test, Truth, View
+from rai_missions.guards.guard import Guard
 from rai_missions.guards.held import Held
 from rai_missions.guards.in_state import In
 from rai_missions.guards.named import Named
 from rai_missions.guards.near import Near
 from rai_missions.guards.possible import Possible
+from rai_missions.guards.view import Operand, Site, Test, Truth, View
 from rai_missions.kinds import load_kinds
 
 __all__ = (
-    "All", "Any_", "Compare", "Elapsed", "Fresh", "GoalIs", "Guard", "Held", "In", "Named", "Near", "Not", "Possible",
-    "Site", "Test", "Truth", "View",
+    "All", "Any_", "Compare", "Elapsed", "Fresh", "GoalIs", "Guard", "Held", "In", "Named", "Near", "Not", "Operand",
+    "Possible", "Site", "Test", "Truth", "View",
 )  # fmt: skip
 
 load_kinds(__name__, __path__)

@@ -10,7 +10,9 @@ import json
 from collections.abc import Mapping
 from typing import Any, NamedTuple, cast
 
-from rai_missions.guards.guard import Guard, OpenObject, Site, Test, Truth, View, as_counted
+from rai_missions.guards.analysis import OpenObject
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Site, Test, Truth, View, as_counted
 from rai_missions.keys import Stamped
 
 __all__ = ("asked_at_once",)

@@ -11,9 +11,11 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, Field
 
+from rai_missions.guards.analysis import Sources
 from rai_missions.guards.at_once import asked_at_once
 from rai_missions.guards.form import Form, Junction
-from rai_missions.guards.guard import Guard, GuardOrKey, Site, Sources, Test, Truth, View, form_of, made
+from rai_missions.guards.guard import Guard, GuardOrKey, form_of, made
+from rai_missions.guards.view import Site, Test, Truth, View
 from rai_missions.model import AnyOf
 
 __all__ = ("All", "Any_", "Not")

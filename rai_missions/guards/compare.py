@@ -10,10 +10,12 @@ from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
+from rai_missions.guards.analysis import Distinctions, Sources, TypeFault, Types
 from rai_missions.guards.at_once import asked_at_once
 from rai_missions.guards.expression import SIGNS
 from rai_missions.guards.form import Atom, Form
-from rai_missions.guards.guard import Distinctions, Guard, Operand, Site, Sources, Test, Truth, TypeFault, Types, View
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Operand, Site, Test, Truth, View
 from rai_missions.model import Json, KeyPath, Path, Value, fault
 from rai_missions.model.references import OPERAND, OPERAND_WORDS, reference_word
 from rai_missions.redaction import clipped

@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from rai_missions.errors import UsageError
-from rai_missions.guards.guard import Guard, Site
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Site
 from rai_missions.keys import Key, Stamped
 from rai_missions.model import TaggedModel
 from rai_missions.redaction import clipped, shown

@@ -7,7 +7,8 @@ import math
 from collections.abc import Callable
 
 from rai_missions.guards.form import Atom, Form
-from rai_missions.guards.guard import Guard, Site, Test, Truth, View
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Site, Test, Truth, View
 from rai_missions.model import Seconds
 
 __all__ = ("Elapsed",)

@@ -5,8 +5,10 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+from rai_missions.guards.analysis import Distinctions
 from rai_missions.guards.form import Atom, Form
-from rai_missions.guards.guard import Distinctions, Guard, Operand, Site, Test, Truth, View
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Operand, Site, Test, Truth, View
 from rai_missions.model import KeyPath, Path
 
 __all__ = ("Fresh",)

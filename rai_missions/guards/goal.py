@@ -15,20 +15,10 @@ from typing import Any, Literal, Self
 from pydantic import Field, model_validator
 
 from rai_missions.errors import DefinitionError
+from rai_missions.guards.analysis import Distinctions, OpenObject, Sources, TypeFault, Types
 from rai_missions.guards.form import Atom, Form
-from rai_missions.guards.guard import (
-    Distinctions,
-    Guard,
-    OpenObject,
-    Operand,
-    Site,
-    Sources,
-    Test,
-    Truth,
-    TypeFault,
-    Types,
-    View,
-)
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Operand, Site, Test, Truth, View
 from rai_missions.model import KeyPath, Path, fault
 
 __all__ = ("GoalAspect", "GoalIs", "judged")

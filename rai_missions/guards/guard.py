@@ -1,217 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a guard is: a condition over what is known, true, false or unknown, written as data and compiled once.
-
-Rule: a guard reads a `View` and nothing else. What is missing or stale makes it unknown (Kleene's three-valued logic).
-"""
+"""What a guard is: a condition over what is known, true, false or unknown, written as data and compiled once."""
 
 from __future__ import annotations
 
 import itertools
 import json
-import math
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Iterator, Mapping
-from typing import Any, ClassVar, NamedTuple, NoReturn, Protocol, TypeAlias
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, ClassVar, NoReturn, TypeAlias
 
 from rai_missions.errors import MissionError, UsageError, in_words
+from rai_missions.guards.analysis import Distinctions, Sources, TypeFault, Types
 from rai_missions.guards.expression import EXAMPLE, WORDS, meant_guard
 from rai_missions.guards.form import Atom, Form
 from rai_missions.guards.purity import impurity
-from rai_missions.keys import Blackboard, Key
+from rai_missions.guards.view import Site, Test, Truth
 from rai_missions.model import HasPath, TaggedModel
 from rai_missions.redaction import clipped, shown
 
-__all__ = (
-    "BRACKETS",
-    "DEEP",
-    "Distinctions",
-    "Guard",
-    "GuardOrKey",
-    "Instant",
-    "OpenObject",
-    "Operand",
-    "RaisedBefore",
-    "Site",
-    "Sources",
-    "Test",
-    "Truth",
-    "TypeFault",
-    "Types",
-    "View",
-    "as_counted",
-    "concerns",
-    "foreign_truth",
-    "form_of",
-    "made",
-    "presence",
-    "text_of",
-)  # fmt: skip
+__all__ = ("BRACKETS", "DEEP", "Guard", "GuardOrKey", "RaisedBefore", "foreign_truth", "form_of", "made", "text_of")
 
-Truth = bool | None
-"""True, False, or None: unknown."""
 BRACKETS = "put brackets around comparisons: (k.battery < 0.2) & k.moving"
 """For an author in Python, where `&` and `|` bind before `<`."""
 DEEP = 60
 """Guards nested deeper than this are compared for equality only."""
-
-
-class View(Protocol):
-    """All that a guard may see."""
-
-    @property
-    def at(self) -> float:
-        """Now, in seconds on the run's clock."""
-
-    @property
-    def board(self) -> Blackboard: ...
-
-    @property
-    def active(self) -> frozenset[str]:
-        """The active states, ancestors included."""
-
-    @property
-    def entered(self) -> Mapping[str, float]:
-        """State → when it was last entered, for the states whose age a guard asks for."""
-
-    @property
-    def held(self) -> Mapping[str, float]:
-        """Held guard → since when its inner guard has been true without a break."""
-
-    @property
-    def event(self) -> Mapping[str, Any]:
-        """The payload of the event in hand."""
-
-    @property
-    def answer(self) -> Mapping[str, Any]:
-        """The parameters of the option in hand."""
-
-    def named(self, name: str, arguments: Mapping[str, Any]) -> Truth:
-        """The value of a predicate of the user's program."""
-
-    def note(self, text: str) -> None:
-        """Have the step note what went wrong in code that is not ours."""
-
-
-def presence(state: str) -> str:
-    """The word among watched keys for whether a state is active; no key begins so."""
-    return f"#in {state}"
-
-
-def concerns(watched: Collection[str], changed: Collection[str]) -> bool:
-    """Whether a change is one by which a guard is woken; `*` watches every key."""
-    return not frozenset(watched).isdisjoint(changed) or (
-        "*" in watched and any(not name.startswith("#") for name in changed)
-    )
-
-
-Test = Callable[[View], Truth]
-Instant = Callable[[View], float]
-"""The next instant after now at which a guard may change without an event; infinity for never."""
-
-
-class Site:
-    """Where a guard is compiled: what it may refer to, and what it is found to depend on.
-
-    Args:
-        place: The JSON pointer of the guard; makes the names of its memories.
-        keys: The mission's keys.
-        state: The state whose transition or rule it is; `elapsed_s` counts from its entry. Empty for the mission's own.
-    """
-
-    def __init__(self, place: str, keys: Mapping[str, Key], state: str = "") -> None:
-        self.place, self.keys, self.state = place, keys, state
-        self.reads: set[str] = set()
-        """The keys it looks at."""
-        self.instants: list[Instant] = []
-        self.holds: dict[str, Test] = {}
-        """Memory → the inner guard of a `held`."""
-        self.clocked: set[str] = set()
-        """The states whose entry time it needs."""
-        self.named: set[str] = set()
-        self.states: set[str] = set()
-        """The states whose activity it asks for."""
-        self.passing = False
-        """It looks at the event or the answer in hand."""
-        self.counts: Truth = None
-        """Which value of the guard in hand counts: its two others make no difference there. None: each counts."""
-
-    @property
-    def watched(self) -> frozenset[str]:
-        """All but time whose change may change the guard: keys (`*` for every key), and states by their `presence`.
-
-        Whatever waits for a guard is woken by these and by `instants`, and by nothing else.
-        """
-        return frozenset(self.reads).union(map(presence, self.states))
-
-
-def as_counted(value: Truth, counts: Truth) -> Truth:
-    """A value where only one counts: this one, or the other for both that do not."""
-    return value if counts is None else (value is counts) is counts
-
-
-class Types(Protocol):
-    """What is declared at a guard's place."""
-
-    def kind(self, path: str) -> str | None:
-        """The type of what a path reads; None where it is not known."""
-
-    def frame(self, path: str) -> str | None:
-        """The frame of a pose's key; None where there is none."""
-
-
-class Sources(Protocol):
-    """Where the values of keys come from."""
-
-    def is_robots(self, path: str) -> bool:
-        """Whether all values there come from the robot."""
-
-    def constants(self, path: str) -> list[Any] | None:
-        """The author's own constants among the robot's values there; None where others write it, or the robot never."""
-
-    def known(self, path: str) -> list[Any]:
-        """The constants that a key is known to hold, the initial value of an argument among them."""
-
-
-class Distinctions(Protocol):
-    """What a guard reports to a proof: the values that it distinguishes."""
-
-    def compare(self, path: str, op: str, operand: Any) -> None:
-        """The value there is compared with a constant."""
-
-    def join(self, path: str, other: str, op: str = "") -> None:
-        """The values of two paths are compared with each other."""
-
-    def measure(self, path: str, other: str, within_m: float) -> None:
-        """The distance of two poses is compared with a constant."""
-
-    def ask(self, path: str) -> None:
-        """Whether there is a value is asked for."""
-
-    def judge(self, path: str, by: str, aspect: str) -> None:
-        """A goal is judged by what is seen, or by a request; what is asked of it is the `aspect`."""
-
-    def sample(self, path: str) -> None:
-        """More is distinguished than a few values can represent: nothing that rests on it counts as proved."""
-
-
-class OpenObject(ABC):
-    """An object that is left open, as in a proof: it answers for itself what guards ask of it as a whole."""
-
-    @abstractmethod
-    def find(self, question: str, test: Callable[[Mapping[str, Any]], Truth]) -> Truth:
-        """What a test of its fields finds; the same question has the same test."""
-
-    @abstractmethod
-    def judge(self, aspect: str, wanted: Any, request: Any) -> Truth:
-        """What `guards.goal.judged` finds of a goal by it."""
-
-
-class TypeFault(NamedTuple):
-    """Why a guard can never be true or false, by the types of what it reads."""
-
-    place: str
-    """JSON pointer from the guard on."""
-    sentence: str
 
 
 class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
@@ -304,7 +115,7 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
         Raises:
             UsageError: That package's `compile` raises.
         """
-        site.counts = counts
+        site.set_counts(counts)
         if type(self) not in Guard.foreign:
             return self.compile(site)
         try:
@@ -434,43 +245,3 @@ def text_of(guard: Guard) -> str:
     if sum(1 for _ in itertools.islice(guard.walk(), DEEP)) == DEEP:
         return f"{id(guard)}"
     return json.dumps(guard.written(), sort_keys=True, default=str)
-
-
-class Operand:
-    """Where a comparison takes a value from: a key, a field within one, the event or the answer in hand.
-
-    Args:
-        path: `key`, `key.field`, `event.field` or `answer.name`.
-        site: Learns which key is read and when it goes stale.
-    """
-
-    def __init__(self, path: str, site: Site) -> None:
-        self.key, *self.fields = path.split(".")
-        self.passing = self.key if self.key in ("event", "answer") and self.key not in site.keys else ""
-        key = None if self.passing else site.keys.get(self.key)
-        self.max_age_s = key.max_age_s if key else None
-        if self.passing:
-            site.passing = True
-        else:
-            site.reads.add(self.key)
-            if self.max_age_s is not None:
-                site.instants.append(self.goes_stale)
-
-    def goes_stale(self, view: View) -> float:
-        entry = view.board.get(self.key)
-        return math.inf if entry is None or self.max_age_s is None else entry.at + self.max_age_s
-
-    def read(self, view: View) -> Any:
-        """The value, or None: never received, stale, or no such field."""
-        if self.passing:
-            value: Any = view.event if self.passing == "event" else view.answer
-        else:
-            entry = view.board.get(self.key)
-            if entry is None or (self.max_age_s is not None and view.at >= entry.at + self.max_age_s):
-                return None
-            value = entry.value
-        for field in self.fields:
-            if not isinstance(value, Mapping):
-                return None
-            value = value.get(field)
-        return value

@@ -6,8 +6,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from rai_missions.guards.analysis import Sources
 from rai_missions.guards.form import Atom, Form, Junction
-from rai_missions.guards.guard import Guard, GuardOrKey, Site, Sources, Test, Truth, View, form_of, text_of
+from rai_missions.guards.guard import Guard, GuardOrKey, form_of, text_of
+from rai_missions.guards.view import Site, Test, Truth, View
 from rai_missions.model import AnyOf, Seconds
 
 __all__ = ("Held",)

@@ -8,7 +8,8 @@ from collections.abc import Callable
 from pydantic import Field
 
 from rai_missions.guards.form import Atom, Form
-from rai_missions.guards.guard import Guard, Site, Test, Truth
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Site, Test, Truth
 from rai_missions.model import StateName
 
 __all__ = ("In",)

@@ -8,7 +8,9 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
 
-from rai_missions.guards.guard import Distinctions, Guard, Operand, Site, Sources, Test, Truth, View
+from rai_missions.guards.analysis import Distinctions, Sources
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Operand, Site, Test, Truth, View
 from rai_missions.model import Json, Name, Value
 from rai_missions.model.references import TEMPLATE, Refers, template_words
 

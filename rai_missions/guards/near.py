@@ -9,8 +9,10 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from rai_missions.guards.analysis import Distinctions, Sources, TypeFault, Types
 from rai_missions.guards.form import Atom, Form
-from rai_missions.guards.guard import Distinctions, Guard, Operand, Site, Sources, Test, Truth, TypeFault, Types, View
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Operand, Site, Test, Truth, View
 from rai_missions.model import KeyPath, Path, Seconds
 
 __all__ = ("Near",)

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rai_missions.guards.guard import Guard, GuardOrKey, Site, Sources, Test, Truth
+from rai_missions.guards.analysis import Sources
+from rai_missions.guards.guard import Guard, GuardOrKey
+from rai_missions.guards.view import Site, Test, Truth
 from rai_missions.model import AnyOf
 
 __all__ = ("Possible",)

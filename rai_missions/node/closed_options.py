@@ -11,7 +11,8 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.engine.decision import Question
-from rai_missions.guards.guard import Guard, Site, Test, Truth, View
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Site, Test, Truth, View
 from rai_missions.keys import Blackboard
 from rai_missions.mission.mission import Mission
 

@@ -11,7 +11,8 @@ from typing import Any
 
 from rai_missions.check.index import MissionIndex
 from rai_missions.errors import Fault, pointer, suggestion
-from rai_missions.guards.guard import Guard, Site
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Site
 from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission, given_mission
 from rai_missions.mission.option_parameters import parameter_faults

@@ -14,7 +14,8 @@ from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from rai_missions.errors import ConnectorError
-from rai_missions.guards.guard import Guard, Site, Truth, View
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Site, Truth, View
 from rai_missions.image import Image
 from rai_missions.keys import Key, Stamped
 from rai_missions.model import AnyOf, Bool, Json, MissionModel, Name, Seconds, Text, Word, fault, refuse

@@ -21,7 +21,7 @@ from rai_missions.engine.hold import awake, free, is_held
 from rai_missions.engine.nodes import CompiledGuard, Node
 from rai_missions.engine.state import TABLE, Holds, RunState, Timer
 from rai_missions.engine.timers import next_number
-from rai_missions.guards.guard import View
+from rai_missions.guards.view import View
 from rai_missions.keys import Stamped
 from rai_missions.prove.activity_key import SOON, rested, timer_key
 from rai_missions.prove.control_env import ControlEnvironment

@@ -10,7 +10,7 @@ from typing import Any
 from rai_missions.engine.activities.action import GoalActivity
 from rai_missions.engine.activities.decision import DecisionActivity
 from rai_missions.engine.activities.tree import RunningLeaf, TreeActivity
-from rai_missions.guards.guard import View
+from rai_missions.guards.view import View
 from rai_missions.prove.nondeterminism import OpenFields
 from rai_missions.prove.open_world import NOW
 

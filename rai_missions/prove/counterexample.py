@@ -15,7 +15,7 @@ from rai_missions.engine import Chart
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.step import Ask, CallService, Cause, StartBehaviour, StartGoal, Step
 from rai_missions.event import Event, Tick
-from rai_missions.guards.guard import Truth
+from rai_missions.guards.view import Truth
 from rai_missions.journal import Journal
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.abstraction import PURSUED

@@ -12,7 +12,7 @@ from itertools import product
 from typing import Any
 
 from rai_missions.guards.goal import judged
-from rai_missions.guards.guard import Truth
+from rai_missions.guards.view import Truth
 from rai_missions.planning.examples import GOALS, PAIRS, REQUESTS, ways
 
 __all__ = ("NO_GOAL", "requests", "sights")

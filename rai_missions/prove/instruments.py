@@ -14,7 +14,7 @@ from rai_missions.engine.activities.decision import DecisionMachine
 from rai_missions.engine.activities.tree import TreeMachine
 from rai_missions.engine.program import Program
 from rai_missions.event import Event
-from rai_missions.guards.guard import Test, Truth
+from rai_missions.guards.view import Test, Truth
 from rai_missions.prove.store import ALL_GOALS, ObstructionQuery
 
 __all__ = ("Instruments",)

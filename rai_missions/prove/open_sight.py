@@ -22,8 +22,9 @@ from functools import cached_property
 from itertools import product
 from typing import Any
 
+from rai_missions.guards.analysis import OpenObject
 from rai_missions.guards.goal import judged
-from rai_missions.guards.guard import OpenObject, Truth
+from rai_missions.guards.view import Truth
 from rai_missions.prove.nondeterminism import OpenFields
 
 __all__ = ("OpenSight", "Sights")

@@ -13,7 +13,7 @@ from typing import Any
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.computing import ComputedResult
 from rai_missions.engine.nodes import CompiledGuard, Node
-from rai_missions.guards.guard import Site, Truth, as_counted
+from rai_missions.guards.view import Site, Truth, as_counted
 from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.comparisons import Comparisons

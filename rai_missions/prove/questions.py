@@ -10,7 +10,8 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from rai_missions.guards import All, Any_
-from rai_missions.guards.guard import Guard, Truth, made
+from rai_missions.guards.guard import Guard, made
+from rai_missions.guards.view import Truth
 from rai_missions.mission.mission import Mission
 from rai_missions.model import MissionModel
 from rai_missions.prove.parts import inside, parts

@@ -19,7 +19,7 @@ from rai_missions.engine import Chart
 from rai_missions.engine.activities.activity import GOALS
 from rai_missions.engine.nodes import CompiledGuard, CompiledTransition, Node
 from rai_missions.engine.state import TimerKey
-from rai_missions.guards.guard import presence
+from rai_missions.guards.view import presence
 from rai_missions.mission.mission import BUILT_IN_EVENTS
 from rai_missions.prove.open_world import OpenWorld
 from rai_missions.prove.parts import guards_in, parts, texts_in

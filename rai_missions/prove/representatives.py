@@ -15,8 +15,8 @@ from typing import Any
 
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.guards.compare import OPERATORS, truth
-from rai_missions.guards.guard import Truth
 from rai_missions.guards.near import distance
+from rai_missions.guards.view import Truth
 from rai_missions.image import Image
 from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission

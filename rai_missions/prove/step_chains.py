@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from rai_missions.engine.macrostep import MOST_MICROSTEPS
 from rai_missions.engine.state import StepDraft
 from rai_missions.engine.step import Move
-from rai_missions.guards.guard import Truth
+from rai_missions.guards.view import Truth
 from rai_missions.prove.activity_key import plain
 from rai_missions.prove.instruments import Instruments
 from rai_missions.prove.open_world import OpenWorld

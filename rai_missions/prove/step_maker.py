@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from rai_missions.engine.activities.activity import GOALS
 from rai_missions.engine.step import Move
-from rai_missions.guards.guard import presence
+from rai_missions.guards.view import presence
 from rai_missions.prove.counts import Count
 from rai_missions.prove.environment import RESUME, Environment
 from rai_missions.prove.region_parts import Part, PartNumbers, RegionParts

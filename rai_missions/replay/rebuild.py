@@ -16,7 +16,8 @@ from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError, Fault, MissionError
 from rai_missions.event import is_e_stop
-from rai_missions.guards.guard import RaisedBefore, Truth
+from rai_missions.guards.guard import RaisedBefore
+from rai_missions.guards.view import Truth
 from rai_missions.journal import Record, StepRow
 from rai_missions.mission.json_reader import parse_json
 from rai_missions.mission.mission import Mission

@@ -15,7 +15,7 @@ from rai_missions.engine.decision import Question
 from rai_missions.engine.modes import Mode
 from rai_missions.engine.step import Cause
 from rai_missions.event import Event, Origin
-from rai_missions.guards.guard import Truth
+from rai_missions.guards.view import Truth
 from rai_missions.keys import Blackboard
 from rai_missions.mission.mission import Mission
 from rai_missions.runtime.effects import EffectExecutor

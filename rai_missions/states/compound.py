@@ -8,7 +8,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from rai_missions.guards.guard import Distinctions
+from rai_missions.guards.analysis import Distinctions
 from rai_missions.model import KeyPath, Name, Path, StateNames
 from rai_missions.model.references import KeyValue, Refers
 from rai_missions.states.effects import Effect

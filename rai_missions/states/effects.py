@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from rai_missions.guards.guard import Operand, Site, View
+from rai_missions.guards.view import Operand, Site, View
 from rai_missions.model import (
     EventName,
     Json,

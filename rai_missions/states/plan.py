@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Annotated, Any
 
-from rai_missions.guards.guard import Distinctions
+from rai_missions.guards.analysis import Distinctions
 from rai_missions.model import KeyPath, Name, Path
 from rai_missions.model.references import Refers
 from rai_missions.states.effects import Effect

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from rai_missions.guards.guard import Distinctions
+from rai_missions.guards.analysis import Distinctions
 from rai_missions.model import KeyPath, Name, Path
 from rai_missions.model.references import Refers
 from rai_missions.states.effects import Effect

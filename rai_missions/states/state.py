@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple,
 from pydantic import BeforeValidator, Field, model_validator
 
 from rai_missions.errors import suggestion
-from rai_missions.guards.guard import Distinctions, Guard, GuardOrKey
+from rai_missions.guards.analysis import Distinctions
+from rai_missions.guards.guard import Guard, GuardOrKey
 from rai_missions.guards.purity import impurity
 from rai_missions.model import (
     AnyOf,

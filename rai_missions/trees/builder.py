@@ -14,7 +14,8 @@ from py_trees.common import OneShotPolicy, ParallelPolicy
 
 from rai_missions.engine.trees.sites import TreePlace
 from rai_missions.engine.trees.tick import Tick
-from rai_missions.guards.guard import Guard, Site
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Site
 from rai_missions.keys import Key
 from rai_missions.states import tree
 from rai_missions.trees import leaves, nodes

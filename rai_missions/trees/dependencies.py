@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.engine.activities.ticker import LoopRound
 from rai_missions.engine.trees.tick import TickView
-from rai_missions.guards.guard import Instant, Site
+from rai_missions.guards.view import Instant, Site
 from rai_missions.trees.nodes import RUNNING, TracedBehaviour
 
 __all__ = ("BehaviourWatch", "TickReads")

@@ -11,7 +11,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from rai_missions.engine.trees.tick import Tick
-from rai_missions.guards.guard import Test, View
+from rai_missions.guards.view import Test, View
 from rai_missions.keys import Key, type_error
 from rai_missions.trees.nodes import FAILURE, INVALID, RUNNING, SUCCESS, WORDS, TracedBehaviour
 

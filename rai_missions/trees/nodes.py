@@ -15,7 +15,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from rai_missions.engine.trees.tick import Tick
-from rai_missions.guards.guard import Site, Test
+from rai_missions.guards.view import Site, Test
 from rai_missions.states import tree
 
 __all__ = (

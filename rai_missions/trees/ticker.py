@@ -12,7 +12,7 @@ from typing import Any
 from rai_missions.engine.activities.ticker import Leaf, LoopRound, TickResult, TreeState
 from rai_missions.engine.trees.sites import shifted
 from rai_missions.engine.trees.tick import Tick, TickView
-from rai_missions.guards.guard import View, concerns
+from rai_missions.guards.view import View, concerns
 from rai_missions.keys import Key
 from rai_missions.states.tree import TreeNode
 from rai_missions.trees.builder import TreeBuilder

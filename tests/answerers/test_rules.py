@@ -15,7 +15,7 @@ from rai_missions.answerers.rules import RulesAnswerer
 from rai_missions.answerers.script import ScriptAnswerer
 from rai_missions.engine.decision import Question
 from rai_missions.guards import Compare, Fresh, Guard, Named, Not
-from rai_missions.guards.guard import Truth
+from rai_missions.guards.view import Truth
 from rai_missions.keys import Blackboard, Key, Stamped
 from rai_missions.testing import QUESTION, ReplyCollector, answer_fault, check_answerer
 

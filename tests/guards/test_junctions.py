@@ -8,7 +8,7 @@ from functools import reduce
 import pytest
 
 from rai_missions import In
-from rai_missions.guards.guard import Truth
+from rai_missions.guards.view import Truth
 
 TRUTHS = (True, False, None)
 

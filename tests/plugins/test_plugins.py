@@ -29,7 +29,7 @@ from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.event import Event
 from rai_missions.guards import Compare, Fresh, Guard, Site
 from rai_missions.guards.contract import check_kind
-from rai_missions.guards.guard import Operand
+from rai_missions.guards.view import Operand
 from rai_missions.journal import Header, Journal, read
 from rai_missions.keys import Key
 from rai_missions.mission.files import dump, load
@@ -438,7 +438,7 @@ def laid_out(
 
 GUARD = """
 from typing import ClassVar
-from rai_missions.guards.guard import Guard, Site, Test
+from rai_missions.guards import Guard, Site, Test
 {above}
 
 class {name}(Guard, word="{word}"):
@@ -569,7 +569,7 @@ def test_a_foreign_guard_that_raises_or_is_no_truth_is_unknown(
         word="brittle",
         value=found,
         before="seen = Operand(self.brittle, site)",
-        above="from rai_missions.guards.guard import Operand\nfrom rai_missions.model import Path",
+        above="from rai_missions.guards import Operand\nfrom rai_missions.model import Path",
     ).replace("brittle: str", "brittle: Path")
     site = laid_out(tmp_path, package, "1.0", offers=f"[rai_missions.guards]\nbrittle = {package}:Odd\n", code=code)
     sys.path.insert(0, str(site))

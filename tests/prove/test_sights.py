@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from rai_missions.engine import Chart
 from rai_missions.guards.goal import judged
-from rai_missions.guards.guard import Guard, Site, Truth, as_counted
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Site, Truth, as_counted
 from rai_missions.keys import Key, Stamped
 from rai_missions.mission.mission import Mission
 from rai_missions.planning.examples import GOALS, REQUESTS

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from hypothesis import settings
 from hypothesis import strategies as st
 
-from rai_missions.guards.guard import Truth
+from rai_missions.guards.view import Truth
 from rai_missions.keys import Stamped
 
 FACTS = ("a", "b", "c")

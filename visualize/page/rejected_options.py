@@ -11,7 +11,7 @@ from typing import Any
 
 from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Step
-from rai_missions.guards.guard import Site, Test, Truth
+from rai_missions.guards.view import Site, Test, Truth
 from rai_missions.keys import Blackboard, Stamped
 from rai_missions.mission.mission import Mission
 from visualize.page.decision_sites import questions

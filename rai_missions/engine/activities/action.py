@@ -20,7 +20,8 @@ from rai_missions.engine.activities.activity import (
 )
 from rai_missions.engine.step import CancelGoal, StartGoal
 from rai_missions.event import Event
-from rai_missions.guards.guard import Guard, Instant, Site, Test, View
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Instant, Site, Test, View
 from rai_missions.states.action import GoalFields
 from rai_missions.states.effects import filled
 

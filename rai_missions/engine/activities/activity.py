@@ -13,7 +13,7 @@ from functools import singledispatch
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
 
 from rai_missions.event import Event
-from rai_missions.guards.guard import Site, View, concerns
+from rai_missions.guards.view import Site, View, concerns
 
 if TYPE_CHECKING:
     from rai_missions.engine.activities.goal_ledger import Obstruction

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from rai_missions.engine.activities.activity import ActivityHost, Bench, Machine, Outcome, Turn, machine_of, remembered
 from rai_missions.engine.step import CallService
 from rai_missions.event import Event
-from rai_missions.guards.guard import Site
+from rai_missions.guards.view import Site
 from rai_missions.states.call import CallFields
 from rai_missions.states.effects import filled
 

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.engine.activities.activity import ActivityHost, Machine, Outcome, Turn
 from rai_missions.event import Event
-from rai_missions.guards.guard import Operand, Site
+from rai_missions.guards.view import Operand, Site
 
 __all__ = ("ComputedResult", "ComputingMachine")
 

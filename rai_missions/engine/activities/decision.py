@@ -14,7 +14,7 @@ from rai_missions.engine.activities.activity import ActivityHost, Bench, Machine
 from rai_missions.engine.decision import Evidence, Limits, Offer, Proposal, Question, Verdict, VerdictNote, judge
 from rai_missions.engine.step import Ask, Withdraw
 from rai_missions.event import Event
-from rai_missions.guards.guard import Operand, Site, View
+from rai_missions.guards.view import Operand, Site, View
 from rai_missions.keys import type_error
 from rai_missions.mission.option_parameters import listed_parameters
 from rai_missions.redaction import clipped

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
 
-from rai_missions.guards.guard import View
+from rai_missions.guards.view import View
 from rai_missions.states.tree import TreeNode
 
 __all__ = ("Leaf", "LoopRound", "TickResult", "Ticker", "TreeState", "Trees")

@@ -30,7 +30,7 @@ from rai_missions.engine.activities.tree_rounds import Rounds
 from rai_missions.engine.decision import Question, VerdictNote
 from rai_missions.engine.step import Effect, PublishMessage
 from rai_missions.event import Event
-from rai_missions.guards.guard import View
+from rai_missions.guards.view import View
 from rai_missions.states.state import State
 
 __all__ = (

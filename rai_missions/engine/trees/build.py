@@ -24,7 +24,7 @@ from rai_missions.engine.trees.decorators import (
 from rai_missions.engine.trees.node import FAILURE, SUCCESS, CompiledNode
 from rai_missions.engine.trees.parallel import CompiledParallel
 from rai_missions.engine.trees.sites import TreePlace
-from rai_missions.guards.guard import Site
+from rai_missions.guards.view import Site
 from rai_missions.states import tree
 
 __all__ = ("MAKERS", "live_nodes")

@@ -14,7 +14,7 @@ from rai_missions.engine.activities.ticker import Status
 from rai_missions.engine.trees.deadline import DeadlineNode
 from rai_missions.engine.trees.node import FAILURE, INVALID, RUNNING, STATUSES, SUCCESS, CompiledNode
 from rai_missions.engine.trees.tick import Tick
-from rai_missions.guards.guard import Site, Test
+from rai_missions.guards.view import Site, Test
 
 __all__ = (
     "REPORTS", "CompiledConverter", "CompiledCount", "CompiledEternalGuard", "CompiledLoop", "CompiledOneShot",

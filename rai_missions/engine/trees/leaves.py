@@ -10,7 +10,7 @@ from rai_missions.engine.activities.ticker import Status
 from rai_missions.engine.trees.deadline import DeadlineNode
 from rai_missions.engine.trees.node import FAILURE, INVALID, RUNNING, SUCCESS, CompiledNode
 from rai_missions.engine.trees.tick import Tick
-from rai_missions.guards.guard import Site, Test, View
+from rai_missions.guards.view import Site, Test, View
 from rai_missions.keys import Key, type_error
 
 __all__ = (

@@ -14,7 +14,7 @@ from typing import Any, Literal
 
 from rai_missions.engine.activities.ticker import Status
 from rai_missions.engine.trees.tick import Tick
-from rai_missions.guards.guard import Site, Test
+from rai_missions.guards.view import Site, Test
 
 __all__ = ("FAILURE", "INVALID", "PLAIN", "RUNNING", "STATUSES", "SUCCESS", "CompiledNode")
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.engine.activities.activity import GOALS
 from rai_missions.engine.activities.ticker import TreeState
-from rai_missions.guards.guard import Operand, Site, View
+from rai_missions.guards.view import Operand, Site, View
 from rai_missions.keys import Key
 from rai_missions.states import tree
 from rai_missions.states.effects import filled, references

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.engine.activities.ticker import Status
-from rai_missions.guards.guard import Test, Truth, View
+from rai_missions.guards.view import Test, Truth, View
 from rai_missions.keys import Stamped
 
 __all__ = ("Tick", "TickView")

@@ -17,7 +17,7 @@ from rai_missions.engine.trees.memories import PART, NodeMemories, Paths
 from rai_missions.engine.trees.node import INVALID, PLAIN, RUNNING, CompiledNode
 from rai_missions.engine.trees.sites import TreePlace, shifted
 from rai_missions.engine.trees.tick import Tick, TickView
-from rai_missions.guards.guard import Site, View, concerns
+from rai_missions.guards.view import Site, View, concerns
 from rai_missions.keys import Key
 from rai_missions.states.tree import TreeNode
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from rai_missions.engine import Chart
 from rai_missions.engine.step import StartGoal, Step
 from rai_missions.errors import UsageError, suggestion
-from rai_missions.guards.guard import Truth
+from rai_missions.guards.view import Truth
 from rai_missions.mission.mission import Mission
 from rai_missions.replay.play.choice import Input, PlayChoice, perform
 from rai_missions.replay.play.offers import OpenChoices

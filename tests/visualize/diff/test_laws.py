@@ -17,7 +17,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rai_missions.errors import DefinitionError
-from rai_missions.guards.guard import Guard, Site
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Site
 from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission
 from tests.strategies import KEYS, guards, mission_documents, missions

@@ -5,8 +5,10 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+from rai_missions.guards.analysis import Distinctions, Sources
 from rai_missions.guards.form import Atom, Form, Junction
-from rai_missions.guards.guard import Distinctions, Guard, Operand, Site, Sources, Test, Truth, View
+from rai_missions.guards.guard import Guard
+from rai_missions.guards.view import Operand, Site, Test, Truth, View
 from rai_missions.model import Number, Path
 
 __all__ = ("Between",)

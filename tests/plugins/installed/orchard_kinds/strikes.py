@@ -11,7 +11,7 @@ from pydantic import Field
 from rai_missions.engine.activities.activity import NO_KEYS, ActivityHost, Bench, Outcome, Turn, remembered
 from rai_missions.engine.step import CallService
 from rai_missions.event import Event
-from rai_missions.guards.guard import View
+from rai_missions.guards.view import View
 from rai_missions.model import Integer, Seconds, ServiceName
 from rai_missions.states.state import State
 
