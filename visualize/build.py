@@ -12,7 +12,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from rai_missions.engine.step import Move, Step, step_count
 from rai_missions.mission.mission import Mission, given_mission
 from rai_missions.states import Compound, Each, Final, History, State
-from rai_missions.states.state import Transition, descendants
+from rai_missions.states.state import descendants
+from rai_missions.states.transition import Transition
 from visualize.model import Initial, Path, Picture, PictureEdge, PictureNode
 from visualize.text import choices, effects, trigger, twigs
 

@@ -11,9 +11,10 @@ from typing import Any
 
 from rai_missions.mission.mission import Mission
 from rai_missions.states import Default, State
+from rai_missions.states.control import CONTROLLERS
 from rai_missions.states.decision import DecisionSpec
 from rai_missions.states.effects import Effect
-from rai_missions.states.state import CONTROLLERS, Transition
+from rai_missions.states.transition import Transition
 from visualize.model import Choice, Twig
 
 __all__ = ("canceled", "child_pointer", "choices", "controlled", "effects", "trigger", "twigs")

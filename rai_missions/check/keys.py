@@ -9,7 +9,7 @@ from rai_missions.check.name_table import Lexicon
 from rai_missions.check.paths import key_of, meaning, parameter_types
 from rai_missions.check.pointers import pointer
 from rai_missions.states.effects import Raise
-from rai_missions.states.state import ANY_EVENT
+from rai_missions.states.transition import ANY_EVENT
 
 __all__ = ("forbidden_writes", "unknown_keys", "unknown_payload", "unused_events", "unused_keys", "unwritten_keys")
 

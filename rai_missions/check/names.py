@@ -15,7 +15,8 @@ from rai_missions.check.pointers import pointer
 from rai_missions.guards.named import Named
 from rai_missions.mission.mission import BUILT_IN_EVENTS
 from rai_missions.states.effects import Drop, Raise
-from rai_missions.states.state import ANY_EVENT, OUTCOMES
+from rai_missions.states.state import OUTCOMES
+from rai_missions.states.transition import ANY_EVENT
 
 __all__ = (
     "colliding_names",

@@ -12,7 +12,8 @@ from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.check.pointers import pointer
 from rai_missions.check.reported_outcomes import ENDS, OutcomeReports, reported
 from rai_missions.states import Compound, Final, History, Parallel
-from rai_missions.states.state import ANY_EVENT, OUTCOMES
+from rai_missions.states.state import OUTCOMES
+from rai_missions.states.transition import ANY_EVENT
 
 __all__ = (
     "deaf_transitions", "handled", "together", "unhandled_failures", "unhandled_options", "unhandled_success",

@@ -11,7 +11,7 @@ from rai_missions.check.name_table import Lexicon
 from rai_missions.keys import Key
 from rai_missions.mission.option_parameters import listed_parameters
 from rai_missions.states import Option
-from rai_missions.states.state import ANY_EVENT
+from rai_missions.states.transition import ANY_EVENT
 
 __all__ = ("Meaning", "key_of", "meaning", "parameter_types")
 

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.check.reported_outcomes import reported
 from rai_missions.states import Parallel
-from rai_missions.states.state import ANY_EVENT
+from rai_missions.states.transition import ANY_EVENT
 
 __all__ = ("WaysOut",)
 

@@ -37,8 +37,8 @@ from rai_missions.event import Event
 from rai_missions.guards.view import View
 from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission, given_mission
+from rai_missions.states.control import Holder
 from rai_missions.states.final import FinalOutcome
-from rai_missions.states.state import Holder
 from rai_missions.validation_errors import check_event, check_given, check_seconds, given_names
 
 __all__ = ("NOT_STARTED", "Chart", "Named", "Snapshot")

@@ -14,7 +14,8 @@ from rai_missions.mission.mission import Mission
 from rai_missions.states.effects import Effect
 from rai_missions.states.final import Final
 from rai_missions.states.history import History
-from rai_missions.states.state import OUTCOMES, State, Transition
+from rai_missions.states.state import OUTCOMES, State
+from rai_missions.states.transition import Transition
 
 __all__ = ("CompiledMission",)
 

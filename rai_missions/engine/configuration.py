@@ -9,7 +9,7 @@ from typing import Any
 from rai_missions.engine.nodes import Act, CompiledTransition, Node, Write, WriteAct
 from rai_missions.engine.step import Move
 from rai_missions.guards.view import Test, Truth
-from rai_missions.states.state import ANY_EVENT
+from rai_missions.states.transition import ANY_EVENT
 
 __all__ = ("CompiledStep", "Configuration", "DirectStep", "Looked")
 

@@ -14,7 +14,7 @@ from rai_missions.engine.step import Step, control_note
 from rai_missions.event import is_e_stop
 from rai_missions.plain_data import plain
 from rai_missions.states import answerer_words
-from rai_missions.states.state import CONTROLLERS
+from rai_missions.states.control import CONTROLLERS
 
 __all__ = ("Description", "describe", "effect_word", "resting_words", "step_json", "way_words")
 

@@ -23,7 +23,7 @@ from rai_missions.engine.state import RunState, refuse
 from rai_missions.engine.step import Handover, control_note
 from rai_missions.errors import suggestion
 from rai_missions.event import Event, is_taken
-from rai_missions.states.state import HOLDERS
+from rai_missions.states.control import HOLDERS
 
 __all__ = ("ask_back", "is_kept", "lay_down", "receive_control", "settle_holds")
 

@@ -15,7 +15,7 @@ from rai_missions.engine.nodes import CompiledTransition, Node
 from rai_missions.engine.program import Program
 from rai_missions.engine.state import TABLE, Holds, RunState, Trigger
 from rai_missions.event import Event
-from rai_missions.states.state import Holder
+from rai_missions.states.control import Holder
 
 __all__ = (
     "awake", "drop_reports", "event_of", "free", "give_time_back", "held_by", "held_controls",

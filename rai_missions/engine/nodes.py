@@ -11,7 +11,8 @@ from rai_missions.guards.view import Instant, Test
 from rai_missions.states.compound import Each, Parallel
 from rai_missions.states.final import Final
 from rai_missions.states.history import History
-from rai_missions.states.state import State, Transition
+from rai_missions.states.state import State
+from rai_missions.states.transition import Transition
 
 __all__ = (
     "Act", "CompiledGuard", "CompiledTransition", "Content", "Memory", "Node", "Write", "WriteAct", "Written",

@@ -26,8 +26,8 @@ from rai_missions.engine.step import Cause, Move, Refusal
 from rai_missions.event import Event
 from rai_missions.guards.view import Truth
 from rai_missions.keys import Blackboard
+from rai_missions.states.control import Holder
 from rai_missions.states.final import FinalOutcome
-from rai_missions.states.state import Holder
 
 __all__ = (
     "HOLDS",

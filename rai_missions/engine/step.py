@@ -15,8 +15,8 @@ from rai_missions.event import Event
 from rai_missions.guards.view import Truth
 from rai_missions.plain_data import listed
 from rai_missions.states import answerer_words
+from rai_missions.states.control import CONTROLLERS, Holder
 from rai_missions.states.final import FinalOutcome
-from rai_missions.states.state import CONTROLLERS, Holder
 
 __all__ = (
     "Ask", "CallService", "CancelGoal", "Cause", "Effect", "Handover", "LogLine", "Move", "PublishMessage",

@@ -14,7 +14,7 @@ from rai_missions.engine.activities.activity import Machine
 from rai_missions.engine.nodes import Node
 from rai_missions.event import Event
 from rai_missions.guards.view import Truth
-from rai_missions.states.state import Holder
+from rai_missions.states.control import Holder
 
 if TYPE_CHECKING:
     from rai_missions.engine.configuration import CompiledStep

@@ -3,7 +3,7 @@
 
 Rule: who holds control is what the gate reports, by `lifecycle.py`'s rules, whatever another program remembers.
 
-Imports `connectors`, `mission`, `model` and `runtime`, and the modules of the root.
+Imports `connectors`, `mission`, `model`, `runtime` and `states`, and the modules of the root.
 """
 
 from rai_missions.gate.config import CommandTopic, GateWords, gate_words, read_gate

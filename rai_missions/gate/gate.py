@@ -41,8 +41,8 @@ from rai_missions.gate.state import (
 from rai_missions.plain_data import json_value
 from rai_missions.redaction import cut, logger
 from rai_missions.runtime.clock import Clock, WallClock
-from rai_missions.runtime.lifecycle import HOLDERS
 from rai_missions.runtime.mailbox import Mailbox
+from rai_missions.states.control import HOLDERS
 
 __all__ = ("GateAgent",)
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from rai_missions.errors import irregular, make_folder_of
 from rai_missions.redaction import logger
-from rai_missions.runtime.lifecycle import HOLDERS
+from rai_missions.states.control import HOLDERS
 
 __all__ = ("Memory", "usual_path")
 

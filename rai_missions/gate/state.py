@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from rai_missions.runtime.lifecycle import HOLDERS
+from rai_missions.states.control import HOLDERS
 
 __all__ = (
     "COMMANDERS",

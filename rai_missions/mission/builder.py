@@ -16,7 +16,7 @@ from rai_missions.keys import Key
 from rai_missions.mission.references import Ref, answer, event
 from rai_missions.redaction import shown
 from rai_missions.states.effects import Effect
-from rai_missions.states.state import Transition
+from rai_missions.states.transition import Transition
 
 __all__ = ("After", "Keys", "On", "Ref", "When", "answer", "event")
 

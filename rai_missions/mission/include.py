@@ -21,7 +21,8 @@ from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission
 from rai_missions.mission.renaming import Names, renamed
 from rai_missions.redaction import shown
 from rai_missions.states import Compound, Final, Include, State, Transition
-from rai_missions.states.state import ANY_EVENT, OUTCOMES
+from rai_missions.states.state import OUTCOMES
+from rai_missions.states.transition import ANY_EVENT
 from rai_missions.validation_errors import validated
 
 __all__ = ("MAX_STATES", "expanded", "read_mission")

@@ -17,7 +17,7 @@ from rai_missions.mission.option_parameters import listed_parameters
 from rai_missions.model.references import reference_word
 from rai_missions.redaction import shown
 from rai_missions.states import DecisionSpec, Include
-from rai_missions.states.state import ANY_EVENT
+from rai_missions.states.transition import ANY_EVENT
 
 __all__ = ("MAX_INCLUSIONS", "Chain", "included_file", "inclusion_faults", "questions", "refused", "shared_key")
 

@@ -33,7 +33,8 @@ from rai_missions.model import (
 from rai_missions.redaction import shown
 from rai_missions.states.decision import answerer_offer
 from rai_missions.states.final import Final
-from rai_missions.states.state import State, States, Transition, Transitions, descendants
+from rai_missions.states.state import State, States, descendants
+from rai_missions.states.transition import Transition, Transitions
 from rai_missions.states.tree.behaviour import ONLY_IN_PYTHON, BehaviourLeaf
 from rai_missions.validation_errors import check_given
 

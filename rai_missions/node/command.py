@@ -14,7 +14,7 @@ from rai_missions.event import Origin
 from rai_missions.mission.json_reader import parse_json
 from rai_missions.redaction import Redaction, cut, redacted, shown
 from rai_missions.runtime.requests import GOOD_FOR_S
-from rai_missions.states.state import HOLDERS
+from rai_missions.states.control import HOLDERS
 
 __all__ = (
     "LONGEST",

@@ -21,10 +21,11 @@ from rai_missions.node.command import Command, CommandReply, ReplyCallback, last
 from rai_missions.node.status_message import OpenQuestion
 from rai_missions.profile import Robot, commanded_names
 from rai_missions.redaction import Redaction, cut, logger
-from rai_missions.runtime.lifecycle import HOLDERS, Status
+from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.readings import SourceState
 from rai_missions.runtime.requests import OVER, RunRequests, refusal_text
 from rai_missions.runtime.runner import Result, Runner
+from rai_missions.states.control import HOLDERS
 
 __all__ = ("RunSession",)
 

@@ -13,7 +13,7 @@ from rai_missions.engine.description import step_json
 from rai_missions.engine.step import Step
 from rai_missions.journal.codec import encode
 from rai_missions.redaction import cut
-from rai_missions.states.state import Holder
+from rai_missions.states.control import Holder
 
 __all__ = ("OpenQuestion", "StatusMessage", "step_fields", "step_text", "text_of")
 

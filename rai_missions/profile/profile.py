@@ -32,7 +32,7 @@ from rai_missions.profile.conversation import ConversationPolicy
 from rai_missions.profile.entries import ActionEntry, AliveEntry, OneService, ServiceEntry, TopicEntry
 from rai_missions.profile.sources import EventSource, Source
 from rai_missions.redaction import shown
-from rai_missions.states.state import HOLDERS
+from rai_missions.states.control import HOLDERS
 
 __all__ = ("Endpoint", "Place", "Robot", "Rule", "ToolPolicy", "endpoints", "service_places", "terms")
 

@@ -16,7 +16,7 @@ from rai_missions.event import Event
 from rai_missions.mission.mission import BUILT_IN_EVENTS
 from rai_missions.prove.nondeterminism import Choices
 from rai_missions.prove.open_world import NOW
-from rai_missions.states.state import Holder
+from rai_missions.states.control import Holder
 
 __all__ = ("ControlEnvironment", "control_event", "kept_words")
 

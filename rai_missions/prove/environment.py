@@ -36,8 +36,8 @@ from rai_missions.prove.step_circles import StepCircles
 from rai_missions.prove.stimulus import Stimulus
 from rai_missions.prove.time_env import TimeEnvironment
 from rai_missions.states.action import Action
+from rai_missions.states.control import Holder
 from rai_missions.states.effects import Call
-from rai_missions.states.state import Holder
 from rai_missions.states.tree.leaves import ActionLeaf
 
 __all__ = ("RESUME", "Environment")

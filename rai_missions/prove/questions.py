@@ -16,7 +16,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.model import MissionModel
 from rai_missions.prove.parts import inside, parts
 from rai_missions.states.decision import Option
-from rai_missions.states.state import Transition
+from rai_missions.states.transition import Transition
 from rai_missions.states.tree.decorators import EternalGuard
 from rai_missions.states.tree.leaves import CheckLeaf
 

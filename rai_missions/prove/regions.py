@@ -26,7 +26,7 @@ from rai_missions.prove.parts import guards_in, parts, texts_in
 from rai_missions.prove.stimulus import Stimulus
 from rai_missions.states.action import Action
 from rai_missions.states.effects import Raise
-from rai_missions.states.state import ANY_EVENT
+from rai_missions.states.transition import ANY_EVENT
 from rai_missions.states.tree.leaves import ActionLeaf
 
 __all__ = ("OUTSIDE", "TIME", "RegionGroups", "Regions")

@@ -19,9 +19,9 @@ from rai_missions.engine.modes import ALIVE, MODE_TABLE, MODES, Mode, next_mode
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.event import Origin
-from rai_missions.states.state import HOLDERS, Holder
+from rai_missions.states.control import HOLDERS, Holder
 
-__all__ = ("HOLDERS", "MODES", "Control", "Lifecycle", "Status")
+__all__ = ("Control", "Lifecycle", "Status")
 
 
 CONTROL_TRANSITIONS: list[dict[str, Any]] = [

@@ -22,8 +22,8 @@ from rai_missions.runtime.effects import EffectExecutor
 from rai_missions.runtime.lifecycle import Control
 from rai_missions.runtime.readings import SourceState
 from rai_missions.runtime.scheduler import Scheduler
+from rai_missions.states.control import Holder
 from rai_missions.states.final import FinalOutcome
-from rai_missions.states.state import Holder
 
 __all__ = ("RunView",)
 

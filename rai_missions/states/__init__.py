@@ -17,7 +17,8 @@ from rai_missions.states.history import Default, History
 from rai_missions.states.include import Include
 from rai_missions.states.plan import Plan
 from rai_missions.states.read import Read
-from rai_missions.states.state import State, Transition
+from rai_missions.states.state import State
+from rai_missions.states.transition import Transition
 from rai_missions.states.tree import Tree
 
 __all__ = (

@@ -10,8 +10,10 @@ from pydantic import Field
 
 from rai_missions.model import Json, MissionModel, Seconds, ServiceName, Text, Value
 from rai_missions.model.references import TEMPLATE
+from rai_missions.states.control import Controller
 from rai_missions.states.effects import Effect, call_lines
-from rai_missions.states.state import Controller, ResultKey, State, Transition
+from rai_missions.states.state import ResultKey, State
+from rai_missions.states.transition import Transition
 
 __all__ = ("Call", "CallFields")
 

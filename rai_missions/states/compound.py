@@ -11,8 +11,10 @@ from pydantic import Field
 from rai_missions.guards.analysis import Distinctions
 from rai_missions.model import KeyPath, Name, Path, StateNames
 from rai_missions.model.references import KeyValue, Refers
+from rai_missions.states.control import Controller
 from rai_missions.states.effects import Effect
-from rai_missions.states.state import Controller, State, States, Transition
+from rai_missions.states.state import State, States
+from rai_missions.states.transition import Transition
 
 __all__ = ("Compound", "Each", "Parallel")
 

@@ -13,8 +13,10 @@ from rai_missions.errors import nearest, suggestion
 from rai_missions.guards.guard import Guard, GuardOrKey
 from rai_missions.kinds import PackageOffer, offered
 from rai_missions.model import AnyOf, Bool, Json, KeyPath, MissionModel, Name, Path, Text, fault, refuse
+from rai_missions.states.control import Controller
 from rai_missions.states.effects import Effect
-from rai_missions.states.state import OUTCOMES, Controller, State, Transition
+from rai_missions.states.state import OUTCOMES, State
+from rai_missions.states.transition import Transition
 
 __all__ = (
     "ACTING_TOOLS", "ANSWERERS", "BUDGET", "LOOKING_TOOLS", "Budget", "Decision", "DecisionSpec", "Option",

@@ -8,8 +8,10 @@ from typing import Literal
 
 from rai_missions.guards.guard import Guard, GuardOrKey
 from rai_missions.model import AnyOf, Seconds
+from rai_missions.states.control import Controller
 from rai_missions.states.effects import Effect
-from rai_missions.states.state import Controller, State, Transition
+from rai_missions.states.state import State
+from rai_missions.states.transition import Transition
 
 __all__ = ("Final", "FinalOutcome", "worst")
 

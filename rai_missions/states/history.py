@@ -9,8 +9,10 @@ from typing import Any, Literal, Self
 from pydantic import Field, GetJsonSchemaHandler, model_validator
 
 from rai_missions.model import fault
+from rai_missions.states.control import Controller
 from rai_missions.states.effects import Effect
-from rai_missions.states.state import Controller, State, Transition
+from rai_missions.states.state import State
+from rai_missions.states.transition import Transition
 
 __all__ = ("Default", "History")
 

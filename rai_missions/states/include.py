@@ -10,8 +10,10 @@ from pydantic import Field
 
 from rai_missions.model import Json, Name, Text, Value
 from rai_missions.model.references import TEMPLATE, template_words
+from rai_missions.states.control import Controller
 from rai_missions.states.effects import Effect
-from rai_missions.states.state import Controller, State, Transition
+from rai_missions.states.state import State
+from rai_missions.states.transition import Transition
 
 __all__ = ("Include",)
 

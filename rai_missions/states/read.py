@@ -11,8 +11,10 @@ from pydantic import Field
 from rai_missions.guards.analysis import Distinctions
 from rai_missions.model import KeyPath, Name, Path
 from rai_missions.model.references import Refers
+from rai_missions.states.control import Controller
 from rai_missions.states.effects import Effect
-from rai_missions.states.state import Controller, State, Transition, TypeNeed
+from rai_missions.states.state import State, TypeNeed
+from rai_missions.states.transition import Transition
 
 __all__ = ("Read",)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a state is, and the transitions by which it is left.
+"""What a state is.
 
 Rule: a state is data. What it does while it is active is worked out by a pure machine in the file of its kind.
 """
@@ -13,27 +13,25 @@ from functools import cache
 from itertools import chain
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field
 
 from rai_missions.errors import suggestion
 from rai_missions.guards.analysis import Distinctions
-from rai_missions.guards.guard import Guard, GuardOrKey
 from rai_missions.guards.purity import impurity
 from rai_missions.model import (
     AnyOf,
-    Bool,
-    MissionModel,
     Name,
     Seconds,
     StateName,
     TaggedModel,
     Text,
     fault,
-    one_or_many,
 )
-from rai_missions.model.references import PATH, TRIGGER, Refers, fields_of
+from rai_missions.model.references import PATH, Refers, fields_of
 from rai_missions.redaction import clipped, shown
+from rai_missions.states.control import Controller
 from rai_missions.states.effects import Effect
+from rai_missions.states.transition import Effects, Transition, Transitions
 from rai_missions.validation_errors import words_of
 
 if TYPE_CHECKING:
@@ -41,14 +39,10 @@ if TYPE_CHECKING:
     from rai_missions.states.tree.behaviour import BehaviourLeaf
     from rai_missions.states.tree.node import TreeNode
 
-__all__ = (
-    "ANY_EVENT", "CONTROLLERS", "HOLDERS", "OUTCOMES", "ActivityOutcome", "Controller", "Effects", "Holder",
-    "ResultKey", "State", "States", "Transition", "TypeNeed",
-)  # fmt: skip
+__all__ = ("OUTCOMES", "ActivityOutcome", "ResultKey", "State", "States", "TypeNeed")
 
 TREE = "tree node"
 """The family of what an activity may make; its class is built upon this module."""
-ANY_EVENT = "*"
 MOST_LETTERS = 60
 """A text that is longer is no name of an action or a mission."""
 ActivityOutcome = Literal[
@@ -57,109 +51,8 @@ ActivityOutcome = Literal[
 """What an activity can report about itself, next to a decision's options; the last two of a request that is read."""
 OUTCOMES: tuple[ActivityOutcome, ...] = get_args(ActivityOutcome)
 
-Controller = Literal["autonomy", "agent", "operator"]
-"""Who may command the robot's actuators."""
-Holder = Literal[Controller, "nobody"]
-"""Who can hold control."""
-HOLDERS: tuple[Holder, ...] = get_args(Holder)
-CONTROLLERS: Mapping[str, str] = {
-    "autonomy": "the autonomy stack", "agent": "the mission itself", "operator": "the operator", "nobody": "no one",
-}  # fmt: skip
-"""Who holds control, for a reader."""
-
-
-def _several(given: Any) -> Any:
-    return (given,) if isinstance(given, Effect) else given
-
-
-Effects = Annotated[tuple[AnyOf[Effect], ...], BeforeValidator(_several)]
-"""In Python a single effect needs no list."""
 ResultKey = Annotated[Name, Refers("key", "result")]
 """A key of the mission that a field of a result is written to."""
-TriggerName = Annotated[str, Field(pattern=r"^(\*|[a-z][a-z0-9_]*(/[a-z][a-z0-9_]*)*)$", strict=True)]
-
-
-class Transition(MissionModel):
-    """What triggers it, under which guard, where it leads and what it does on the way."""
-
-    meant: ClassVar[Mapping[str, str]] = (
-        dict.fromkeys(("target", "goto", "next"), "to")
-        | dict.fromkeys(("event", "trigger", "outcome"), "on")
-        | dict.fromkeys(("guard", "cond", "condition", "if"), "when")
-        | dict.fromkeys(("actions", "effects"), "do")
-        | {
-            "delay": "after_s",
-            "wait": "after_s",
-            "description": "about",
-        }
-    )
-
-    on: Annotated[tuple[TriggerName, ...], TRIGGER, *one_or_many] = ()
-    """Events or outcomes; `*` is any declared event. Without `on` and `after_s` it fires as soon as its guard holds."""
-    of: StateName | None = None
-    """The state whose outcome is meant, if not that of the state it is written in."""
-    after_s: Seconds | None = None
-    """Seconds after the entry at which it fires, once; if the guard is not true then, it is lost."""
-    when: AnyOf[Guard] | None = None
-    """What must be true for it to fire."""
-    to: Annotated[tuple[StateName, ...], *one_or_many] = ()
-    """The target, or one a region; without one the state is not left."""
-    do: Effects = ()
-    """What is done on the way, in this order."""
-    internal: Bool = False
-    """From a compound state into itself without leaving it."""
-    about: Text = ""
-    """What it is for, in a sentence."""
-
-    def __init__(
-        self,
-        on: str | Sequence[str] = (),
-        *,
-        of: str | None = None,
-        after_s: float | None = None,
-        when: GuardOrKey | None = None,
-        to: str | Sequence[str] = (),
-        do: Effect | Sequence[Effect] = (),
-        internal: bool = False,
-        about: str = "",
-    ) -> None: ...
-
-    @model_validator(mode="after")
-    def _one_trigger(self) -> Self:
-        has_event, is_timed = bool(self.on), self.after_s is not None
-        if has_event and is_timed:
-            raise fault("trigger", "a transition has 'on' or 'after_s', not both; write two transitions")
-        if not has_event and not is_timed and self.when is None:
-            raise fault(
-                "trigger",
-                "a transition without 'on', 'after_s' and 'when' would fire at once, always; give one of them",
-            )
-        if not has_event and self.of is not None:
-            raise fault("of", "'of' names the state whose outcome 'on' means; give 'on' too", at=("of",))
-        return self
-
-    @property
-    def eventless(self) -> bool:
-        """It fires as soon as its guard holds."""
-        return not self.on and self.after_s is None
-
-    def leads(self) -> str:
-        """Where it leads, when, and what it does, in words."""
-        to = f"leads to {', '.join(self.to)}" if self.to else "stays"
-        guard = f" when {self.when.words()}" if self.when is not None else ""
-        do = f", does {'; '.join(effect.details() for effect in self.do)}" if self.do else ""
-        return f"{to}{guard}{do}"
-
-    def words(self) -> str:
-        """Trigger and guard in words."""
-        trigger = " or ".join(self.on) + (f" of {self.of}" if self.of else "")
-        if self.after_s is not None:
-            trigger = f"after {self.after_s:g} s"
-        guard = f"[{self.when.words()}]" if self.when is not None else ""
-        return f"{trigger} {guard}".strip()
-
-
-Transitions = tuple[Transition, ...]
 
 
 class TypeNeed(NamedTuple):

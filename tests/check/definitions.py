@@ -13,7 +13,7 @@ from rai_missions.check.reachability import Reach, _waiting
 from rai_missions.check.reported_outcomes import reported
 from rai_missions.guards.implication import ALWAYS, form, implies, never
 from rai_missions.states import Final, History, Parallel
-from rai_missions.states.state import ANY_EVENT
+from rai_missions.states.transition import ANY_EVENT
 
 __all__ = ("DEFINITIONS",)
 

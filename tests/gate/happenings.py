@@ -21,7 +21,7 @@ from rai_missions.gate.state import (
     Request,
     TimeUpdate,
 )
-from rai_missions.runtime.lifecycle import HOLDERS
+from rai_missions.states.control import HOLDERS
 
 __all__ = ("GateMoment", "happenings", "live", "terms")
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.gate import GateAgent, gate_words
 from rai_missions.gate.memory import Memory, usual_path
-from rai_missions.runtime.lifecycle import HOLDERS
+from rai_missions.states.control import HOLDERS
 from tests.rigs.files import largest_file
 
 

@@ -29,7 +29,8 @@ from rai_missions.gate.state import (
     TimeUpdate,
     status_of,
 )
-from rai_missions.runtime.lifecycle import HOLDERS, Control
+from rai_missions.runtime.lifecycle import Control
+from rai_missions.states.control import HOLDERS
 from tests.gate.happenings import happenings, live, terms
 
 AGENT_ALONE = GateRules(leases={"agent": 0.5})

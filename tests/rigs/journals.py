@@ -35,7 +35,7 @@ from rai_missions.image import Image
 from rai_missions.journal import Record, read, verify
 from rai_missions.journal.rows import JournalRow, Raw, StepRow
 from rai_missions.replay.replay import Replay, replay
-from rai_missions.states.state import HOLDERS
+from rai_missions.states.control import HOLDERS
 
 __all__ = (
     "MemoryJournal", "anomalies", "assert_whole", "blackboard_writes", "cut_after_each", "listing",

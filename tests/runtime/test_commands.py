@@ -13,12 +13,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.engine import Chart
+from rai_missions.engine.modes import MODES
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from rai_missions.journal import Header, Journal
 from rai_missions.runtime.clock import WallClock
-from rai_missions.runtime.lifecycle import MODES, Lifecycle, Status
+from rai_missions.runtime.lifecycle import Lifecycle, Status
 from rai_missions.runtime.runner import Result
 from rai_missions.testing import LateAnswerer
 from tests.rigs.runs import Rig, asking, mission

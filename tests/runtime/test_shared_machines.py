@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.errors import UsageError
-from rai_missions.runtime.lifecycle import HOLDERS, Control
+from rai_missions.runtime.lifecycle import Control
+from rai_missions.states.control import HOLDERS
 
 HANDOVERS = st.lists(st.tuples(st.booleans(), st.sampled_from(HOLDERS)), max_size=30)
 

@@ -24,8 +24,9 @@ from rai_missions.mission.mission import Mission
 from rai_missions.node.command import Command, CommandReply, from_ros, read_order
 from rai_missions.node.run_session import RunSession
 from rai_missions.node.web_operator import from_page
-from rai_missions.runtime.lifecycle import HOLDERS, Control
+from rai_missions.runtime.lifecycle import Control
 from rai_missions.runtime.runner import Runner
+from rai_missions.states.control import HOLDERS
 
 FORGED = 1000
 NAMES = (

@@ -16,7 +16,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.model.references import INTERFACES
 from rai_missions.states import Transition
 from rai_missions.states.effects import Effect, Raise
-from rai_missions.states.state import ANY_EVENT
+from rai_missions.states.transition import ANY_EVENT
 from visualize.parts import parts
 
 __all__ = ("Uses", "otherwise", "uses")

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from rai_missions.states import Transition
-from rai_missions.states.state import ANY_EVENT
+from rai_missions.states.transition import ANY_EVENT
 from visualize.diff.align import paired
 from visualize.diff.change import Change, Severity
 from visualize.diff.fields import FieldRef, as_words, effects_changed, guards, severity_if

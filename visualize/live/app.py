@@ -21,7 +21,7 @@ from starlette.routing import Route
 from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
 from rai_missions.plain_data import json_object
-from rai_missions.states.state import CONTROLLERS
+from rai_missions.states.control import CONTROLLERS
 from visualize.build import picture
 from visualize.live.auth import ASGI, ROLE, Allowance, Receive, Scope, Send
 from visualize.live.hub import Hub, Viewer

@@ -15,7 +15,8 @@ from typing import NamedTuple
 from rai_missions.mission.mission import Mission
 from rai_missions.states import Compound, Each, Final, History, State
 from rai_missions.states.effects import Raise
-from rai_missions.states.state import OUTCOMES, Transition
+from rai_missions.states.state import OUTCOMES
+from rai_missions.states.transition import Transition
 from visualize.build import parents_of
 
 __all__ = ("ReachableParts", "Roads")

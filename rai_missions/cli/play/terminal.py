@@ -20,8 +20,8 @@ from rai_missions.errors import MissionError, UsageError, suggestion
 from rai_missions.replay.play import Click, Field, PlayChoice
 from rai_missions.replay.play.choice import ChoiceKind
 from rai_missions.replay.play.fields import read_text
+from rai_missions.states.control import CONTROLLERS
 from rai_missions.states.decision import answerer_words
-from rai_missions.states.state import CONTROLLERS
 
 __all__ = ("TerminalPlay",)
 

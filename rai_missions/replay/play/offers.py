@@ -40,8 +40,8 @@ from rai_missions.replay.play.fields import (
     parameter_fields,
 )
 from rai_missions.replay.play.passage import fading, next_change
+from rai_missions.states.control import CONTROLLERS, HOLDERS
 from rai_missions.states.decision import answerer_words
-from rai_missions.states.state import CONTROLLERS, HOLDERS
 
 __all__ = ("OpenChoices", "settled")
 

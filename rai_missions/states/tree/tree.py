@@ -9,8 +9,10 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, model_validator
 
 from rai_missions.model import AnyOf, fault
+from rai_missions.states.control import Controller
 from rai_missions.states.effects import Effect
-from rai_missions.states.state import Controller, State, Transition
+from rai_missions.states.state import State
+from rai_missions.states.transition import Transition
 from rai_missions.states.tree.behaviour import BehaviourLeaf, Factory
 from rai_missions.states.tree.node import TreeNode, depth
 

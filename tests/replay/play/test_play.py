@@ -26,7 +26,7 @@ from rai_missions.replay.play import Play, PlayChoice
 from rai_missions.replay.play.choice import Passage
 from rai_missions.replay.play.offers import settled
 from rai_missions.runtime.arguments import accepted
-from rai_missions.states.state import HOLDERS
+from rai_missions.states.control import HOLDERS
 from tests.engine.test_goals import mission as stacking
 from tests.strategies import EVENTS, missions
 
