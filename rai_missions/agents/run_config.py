@@ -15,13 +15,13 @@ from rai_missions.engine import Named
 from rai_missions.engine.decision import Answerer, check_answerers
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
+from rai_missions.given import check_given, given_names, given_path
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, RobotProgram
 from rai_missions.redaction import shown
 from rai_missions.runtime.clock import Clock
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.run_options import RunObserver
-from rai_missions.validation_errors import check_given, given_names, given_path
 
 if TYPE_CHECKING:
     from langchain_core.language_models import BaseChatModel

@@ -17,12 +17,12 @@ from rai_missions.agents.run_config import RunConfig
 from rai_missions.check import errors_of, load_whole
 from rai_missions.connectors.python_robot import PythonRobot
 from rai_missions.errors import DefinitionError, Fault, UsageError
+from rai_missions.given import check_given
 from rai_missions.mission.mission import Mission, given_mission
 from rai_missions.profile import Robot, RobotProgram, identity_folder, is_program, load_whole_profile, missing
 from rai_missions.redaction import logger, shown
 from rai_missions.runtime.arguments import accepted
 from rai_missions.runtime.clock import Clock, ContinuedClock
-from rai_missions.validation_errors import check_given
 
 if TYPE_CHECKING:
     from rai_missions.replay.open_run import OpenedRun

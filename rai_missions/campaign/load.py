@@ -22,8 +22,8 @@ from rai_missions.check import faults_of as mission_faults
 from rai_missions.errors import DefinitionError, Fault, pointer
 from rai_missions.mission.file_kinds import object_of
 from rai_missions.mission.json_reader import read_json
+from rai_missions.model.validation_errors import faults_of
 from rai_missions.redaction import shown
-from rai_missions.validation_errors import faults_of
 from rai_missions.worlds.scene_files import with_scene_read
 
 __all__ = ("LoadedCampaign", "load_campaign")

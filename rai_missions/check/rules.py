@@ -20,10 +20,10 @@ from rai_missions.check import structure as shape
 from rai_missions.check.finding import Finding, Severity, document_order
 from rai_missions.check.index import MissionIndex
 from rai_missions.errors import steps_of
+from rai_missions.given import check_given
 from rai_missions.mission.garbage import few_collections
 from rai_missions.mission.legible import LegiblePart, is_entry, words_in
 from rai_missions.mission.mission import Mission, given_mission
-from rai_missions.validation_errors import check_given
 
 __all__ = ("RULES", "CheckRule", "check", "check_part", "holds_anyway")
 

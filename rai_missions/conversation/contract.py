@@ -20,7 +20,7 @@ from rai_missions.conversation.start_phrases import StartPhrase
 from rai_missions.conversation.view import BuildView, KeyView, MissionView, ProgressView, RunEvent, StatusView
 from rai_missions.engine.decision import Evidence, Offer, Question
 from rai_missions.errors import UsageError, suggestion
-from rai_missions.validation_errors import validated
+from rai_missions.model.validation_errors import validated
 
 __all__ = ("PlayedTurn", "check_conversation", "play_conversation", "settings_from", "view_from")
 

@@ -34,12 +34,12 @@ from rai_missions.engine.surroundings import Surroundings
 from rai_missions.engine.timing import look_ahead
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.event import Event
+from rai_missions.given import check_event, check_given, check_seconds, given_names
 from rai_missions.guards.view import View
 from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission, given_mission
 from rai_missions.states.control import Holder
 from rai_missions.states.final import FinalOutcome
-from rai_missions.validation_errors import check_event, check_given, check_seconds, given_names
 
 __all__ = ("NOT_STARTED", "Chart", "Named", "Snapshot")
 

@@ -10,12 +10,12 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
 
 from rai_missions.event import Event
+from rai_missions.given import check_given, given_names
 from rai_missions.guards.view import Test, Truth, View
 from rai_missions.image import Image
 from rai_missions.mission.option_parameters import parameter_faults
 from rai_missions.plain_data import apart, quoted
 from rai_missions.redaction import clipped
-from rai_missions.validation_errors import check_given, given_names
 
 __all__ = (
     "Answerer", "Evidence", "Limits", "Offer", "Proposal", "Question", "ReadsRun", "Verdict", "VerdictKind",

@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from types import NoneType
 from typing import NamedTuple
 
+from rai_missions.given import check_given
 from rai_missions.guards.guard import Guard
-from rai_missions.validation_errors import check_given
 
 __all__ = ("RobotFacts", "check_facts")
 

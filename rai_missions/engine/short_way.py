@@ -26,9 +26,9 @@ from rai_missions.engine.stepping import close, make_step
 from rai_missions.engine.timers import late_s
 from rai_missions.engine.timing import next_instant
 from rai_missions.event import Event
+from rai_missions.given import check_event
 from rai_missions.guards.view import Truth
 from rai_missions.keys import Stamped, type_error
-from rai_missions.validation_errors import check_event
 
 __all__ = ("BEFORE", "leapt", "reading", "step", "value")
 

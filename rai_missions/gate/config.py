@@ -20,8 +20,8 @@ from rai_missions.errors import DefinitionError, Fault, UsageError, suggestion
 from rai_missions.gate.state import COMMANDERS, GateRules
 from rai_missions.mission.json_reader import read_json
 from rai_missions.model import Bool, Format, Integer, Json, MissionModel, Seconds, Text, fault, refuse, without_schema
+from rai_missions.model.validation_errors import validated
 from rai_missions.redaction import shown
-from rai_missions.validation_errors import validated
 
 __all__ = ("CommandTopic", "GateWords", "command_topic", "gate_words", "leases_of", "read_gate")
 

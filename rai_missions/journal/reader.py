@@ -15,10 +15,10 @@ from typing import Any, TypeVar
 
 from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError, Fault, UsageError
+from rai_missions.given import given_path
 from rai_missions.journal.rows import Blob, Confirmation, Header, JournalRow, Note, Raw, StepRow, parsed, read_header
 from rai_missions.journal.sqlite import Closable, SqliteError, open_to_read
 from rai_missions.redaction import cut
-from rai_missions.validation_errors import given_path
 
 __all__ = ("Record",)
 

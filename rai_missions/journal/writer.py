@@ -21,6 +21,7 @@ from typing import Any, Self
 
 from rai_missions.engine.step import Step
 from rai_missions.errors import ConnectorError, UsageError
+from rai_missions.given import given_path
 from rai_missions.image import Image, media_type
 from rai_missions.journal.codec import encode
 from rai_missions.journal.json_values import to_json
@@ -43,7 +44,6 @@ from rai_missions.journal.sqlite import (
     widen,
 )
 from rai_missions.redaction import logger
-from rai_missions.validation_errors import given_path
 
 __all__ = ("Journal", "versions")
 

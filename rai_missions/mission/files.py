@@ -40,9 +40,9 @@ def load(path: str | os.PathLike[str], *, python: bool = True) -> Mission:
         UsageError: There is no such file, or it is of another kind.
     """
     from rai_missions.errors import UsageError
+    from rai_missions.given import given_path
     from rai_missions.mission.include import expanded, read_mission
     from rai_missions.mission.python_file import run_mission_file
-    from rai_missions.validation_errors import given_path
 
     file = given_path(path, "load")
     if file.suffix == ".json":

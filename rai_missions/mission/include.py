@@ -19,11 +19,11 @@ from rai_missions.mission.include_rules import Chain, included_file, inclusion_f
 from rai_missions.mission.json_reader import MAX_BYTES, MAX_DEPTH, read_json
 from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission
 from rai_missions.mission.renaming import Names, renamed
+from rai_missions.model.validation_errors import validated
 from rai_missions.redaction import shown
 from rai_missions.states import Compound, Final, Include, State, Transition
 from rai_missions.states.state import OUTCOMES
 from rai_missions.states.transition import ANY_EVENT
-from rai_missions.validation_errors import validated
 
 __all__ = ("MAX_STATES", "expanded", "read_mission")
 

@@ -16,7 +16,7 @@ from rai_missions.errors import Fault, pointer, steps_of
 from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission, declared_events
 from rai_missions.mission.readings import sure_faults
 from rai_missions.mission.schema import STRONGER
-from rai_missions.validation_errors import KEY, faults_of, model_at, place_of, refusals
+from rai_missions.model.validation_errors import KEY, faults_of, model_at, place_of, refusals
 
 __all__ = ("LegiblePart", "is_entry", "legible_part", "words_in")
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from rai_missions.errors import UsageError, suggestion
+from rai_missions.given import check_given
 from rai_missions.guards.guard import Guard, GuardOrKey
 from rai_missions.keys import Key, PythonType, field_type
 from rai_missions.kinds import PackageOffer, lacking, named
@@ -36,7 +37,6 @@ from rai_missions.states.final import Final
 from rai_missions.states.state import State, States, descendants
 from rai_missions.states.transition import Transition, Transitions
 from rai_missions.states.tree.behaviour import ONLY_IN_PYTHON, BehaviourLeaf
-from rai_missions.validation_errors import check_given
 
 if TYPE_CHECKING:
     from rai_missions.mission.builder import Keys

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from rai_missions.errors import Fault, nearest
 from rai_missions.model import MissionModel
-from rai_missions.validation_errors import faults_of, words_of
+from rai_missions.model.validation_errors import faults_of, words_of
 
 __all__ = ("sure_faults",)
 

@@ -19,7 +19,7 @@ from rai_missions.errors import DefinitionError, suggestion
 from rai_missions.model.attribute_docs import attribute_docs, explained
 from rai_missions.model.fields import NOT_NULL, alike
 from rai_missions.model.references import KeyValue, Reference, found, inside, written_keys
-from rai_missions.validation_errors import faults_of
+from rai_missions.model.validation_errors import faults_of
 
 __all__ = ("MissionModel", "without_schema")
 

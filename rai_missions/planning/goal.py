@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 from pydantic import AfterValidator, Field, PlainSerializer, Strict, field_validator
 
 from rai_missions.model import AnyOf, MissionModel, TaggedModel, Text, fault
-from rai_missions.validation_errors import validated
+from rai_missions.model.validation_errors import validated
 
 __all__ = (
     "FIRST_SEEN", "Apart", "AtPlace", "Behind", "Between", "Beyond", "Goal", "Grouped", "InContainer", "LeftOf",

@@ -11,8 +11,8 @@ from pydantic import ConfigDict, Field, PlainSerializer, model_validator
 
 from rai_missions.errors import DefinitionError, UsageError, suggestion
 from rai_missions.model import Bool, Integer, MissionModel, Number, Text, fault
+from rai_missions.model.validation_errors import validated
 from rai_missions.planning.geometry import Footprint, box, disc
-from rai_missions.validation_errors import validated
 
 __all__ = ("CONTAINERS", "DESK", "ROUND", "Scene", "Thing", "ThingType", "has_colour", "judged_by", "read_scene")
 

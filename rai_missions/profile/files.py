@@ -19,9 +19,9 @@ from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.mission.file_kinds import object_of
 from rai_missions.mission.json_reader import parse_json, read_json
 from rai_missions.model import RECORDED
+from rai_missions.model.validation_errors import validated
 from rai_missions.profile.profile import Robot
 from rai_missions.redaction import shown
-from rai_missions.validation_errors import validated
 from rai_missions.worlds.scene_files import with_scene_read
 
 __all__ = ("dump_profile", "identity_folder", "is_program", "load_profile", "parse_profile", "recorded_profile")

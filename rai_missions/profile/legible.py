@@ -14,11 +14,11 @@ from rai_missions.errors import DefinitionError, Fault, steps_of
 from rai_missions.mission.file_kinds import object_of
 from rai_missions.mission.json_reader import read_json
 from rai_missions.mission.mission import Mission
+from rai_missions.model.validation_errors import faults_of
 from rai_missions.profile.connector_faults import connector_faults
 from rai_missions.profile.coverage import missing
 from rai_missions.profile.files import load_profile
 from rai_missions.profile.profile import Robot
-from rai_missions.validation_errors import faults_of
 
 __all__ = ("legible_profile", "load_whole_profile", "missing_anyway")
 

@@ -21,10 +21,10 @@ from rai_missions.errors import DefinitionError, Fault, file_text
 from rai_missions.mission.json_reader import file_bytes
 from rai_missions.mission.mission import Mission
 from rai_missions.mission.python_file import call_offered, run_file
+from rai_missions.model.validation_errors import validated
 from rai_missions.profile.coverage import missing
 from rai_missions.profile.profile import Robot
 from rai_missions.redaction import shown
-from rai_missions.validation_errors import validated
 
 __all__ = ("KIND", "RobotProgram", "check_functions", "profile_of", "read_program", "same_file")
 

@@ -21,8 +21,8 @@ from rai_missions.guards.view import Truth
 from rai_missions.journal import Record, StepRow
 from rai_missions.mission.json_reader import parse_json
 from rai_missions.mission.mission import Mission
+from rai_missions.model.validation_errors import validated
 from rai_missions.profile import Robot, recorded_profile, terms
-from rai_missions.validation_errors import validated
 
 __all__ = ("JournalReplayer", "Predicates", "mission_of", "recorded_robot", "robot_of")
 

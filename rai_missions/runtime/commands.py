@@ -11,11 +11,11 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.event import Event, Origin
+from rai_missions.given import check_event, check_given, given_names
 from rai_missions.journal.json_values import to_json
 from rai_missions.runtime.control_handover import Handovers
 from rai_missions.runtime.lifecycle import Control
 from rai_missions.runtime.scheduler import Scheduler
-from rai_missions.validation_errors import check_event, check_given, given_names
 
 __all__ = ("RunCommands",)
 

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple, TypeVar
 from rai_missions.engine import Named
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.step import Step
+from rai_missions.given import given_names
 from rai_missions.runtime.lifecycle import Status
-from rai_missions.validation_errors import given_names
 
 __all__ = ("NewRun", "RunObserver")
 

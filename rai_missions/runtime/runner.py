@@ -22,6 +22,7 @@ from rai_missions.engine.decision import Answerer, ReadsRun, check_answerers
 from rai_missions.engine.step import Step
 from rai_missions.errors import ConnectorError, DefinitionError, UsageError
 from rai_missions.event import Event, Tick, is_e_stop
+from rai_missions.given import check_given
 from rai_missions.journal.buffer import BufferedWriter, JournalSink, raised_by
 from rai_missions.mission.mission import Mission, given_mission
 from rai_missions.mission.start_fault import StartFault
@@ -41,7 +42,6 @@ from rai_missions.runtime.result import Result
 from rai_missions.runtime.run_options import NewRun, RunObserver
 from rai_missions.runtime.scheduler import Scheduler
 from rai_missions.runtime.view import RunView
-from rai_missions.validation_errors import check_given
 
 __all__ = ("Result", "Runner")
 

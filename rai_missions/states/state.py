@@ -28,11 +28,11 @@ from rai_missions.model import (
     fault,
 )
 from rai_missions.model.references import PATH, Refers, fields_of
+from rai_missions.model.validation_errors import words_of
 from rai_missions.redaction import clipped, shown
 from rai_missions.states.control import Controller
 from rai_missions.states.effects import Effect
 from rai_missions.states.transition import Effects, Transition, Transitions
-from rai_missions.validation_errors import words_of
 
 if TYPE_CHECKING:
     from rai_missions.states.decision import DecisionSpec, Option

@@ -15,8 +15,8 @@ import pytest
 from rai_missions.campaign.file import CampaignFile
 from rai_missions.errors import DefinitionError
 from rai_missions.gate.config import GateWords
+from rai_missions.model.validation_errors import validated
 from rai_missions.profile.profile import Robot
-from rai_missions.validation_errors import validated
 
 Json = dict[str, Any]
 

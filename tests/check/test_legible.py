@@ -22,7 +22,7 @@ from rai_missions.cli.main import main
 from rai_missions.errors import DefinitionError
 from rai_missions.mission.legible import legible_part
 from rai_missions.mission.mission import Mission
-from rai_missions.validation_errors import faults_of
+from rai_missions.model.validation_errors import faults_of
 
 ROOT = Path(__file__).parents[2]
 SHIPPED = {

@@ -33,8 +33,8 @@ from rai_missions import (
     event,
 )
 from rai_missions.guards import Guard
+from rai_missions.model.validation_errors import validated
 from rai_missions.states import Action, Decision, Each, Final, Option, State
-from rai_missions.validation_errors import validated
 
 k = Keys(
     alleys=Key(int, source="argument", initial=6),

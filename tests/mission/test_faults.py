@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from rai_missions import DefinitionError, Mission, load
+from rai_missions.model.validation_errors import faults_of
 from rai_missions.states import Action
-from rai_missions.validation_errors import faults_of
 from tests.strategies import mission_documents
 
 SMALL: dict[str, Any] = {"format": 1, "name": "small", "initial": "a", "states": {"a": {}}}

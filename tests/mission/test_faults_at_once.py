@@ -11,9 +11,9 @@ import pytest
 
 from rai_missions import DefinitionError
 from rai_missions.keys import Key
+from rai_missions.model.validation_errors import validated
 from rai_missions.profile import Robot
 from rai_missions.states.decision import DecisionSpec
-from rai_missions.validation_errors import validated
 
 Words = Mapping[str, Any]
 KEY = (

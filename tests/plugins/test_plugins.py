@@ -36,13 +36,13 @@ from rai_missions.mission.files import dump, load
 from rai_missions.mission.mission import Mission
 from rai_missions.mission.renaming import Names, renamed
 from rai_missions.model import Path as Path_
+from rai_missions.model.validation_errors import validated
 from rai_missions.profile import load_profile, parse_profile
 from rai_missions.profile import terms as facts_of
 from rai_missions.prove import prove
 from rai_missions.replay.replay import replay
 from rai_missions.states import State
 from rai_missions.testing import check_activity, check_guard, check_voice, check_world
-from rai_missions.validation_errors import validated
 from rai_missions.voice.kind import known
 from rai_missions.worlds import open_world
 from visualize import FORMATS, difference, draw, drawn, picture

@@ -15,7 +15,7 @@ from pydantic import Field
 from rai_missions.mission.json_reader import read_json
 from rai_missions.mission.schema import schema_of
 from rai_missions.model import Format, Json, MissionModel, Name, Text
-from rai_missions.validation_errors import validated
+from rai_missions.model.validation_errors import validated
 
 __all__ = ("Map", "load_map", "map_schema")
 
