@@ -51,7 +51,7 @@ INSTANTS: Mapping[str, Spot] = {
     "effects are performed": Spot("rai_missions.runtime.effects:EffectExecutor.perform", 12),
     "a goal is given to the connector": Spot("rai_missions.connectors.ros2.connector:Ros2Connector.send_goal", 4),
     "a goal is looked for": Spot("rai_missions.connectors.ros2.connector:Ros2Connector.find_goal", 2),
-    "a goal is sent": Spot("rai_missions.connectors.ros2.action_client:ClientGoal._start", 4),
+    "a goal is sent": Spot("rai_missions.connectors.ros2.remote_goal:RemoteGoal._start", 4),
     "a service is called": Spot("rai_missions.connectors.ros2.connector:Ros2Connector.call", 2),
     "a call is sent": Spot("rai_missions.connectors.ros2.services:Client._send_one", 2),
     "a message is published": Spot("rai_missions.connectors.ros2.connector:Ros2Connector.publish", 1),

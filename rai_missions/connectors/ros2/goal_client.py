@@ -19,7 +19,7 @@ from rai_missions.connectors.ros2.rivals import ObservedClient
 from rai_missions.connectors.ros2.services import MANY, WATCH_S, InFlightLimit
 
 if TYPE_CHECKING:
-    from rai_missions.connectors.ros2.action_client import ClientGoal
+    from rai_missions.connectors.ros2.remote_goal import RemoteGoal
 
 __all__ = ("PRESS_S", "QUIET_S", "STEP_S", "GoalClient")
 
@@ -71,10 +71,10 @@ class GoalClient:
         runtime.keep(self, self.client.destroy)
         self.patience_s = patience_s
         self.starts, self.cancels = InFlightLimit(), InFlightLimit()
-        self._running: set[ClientGoal] = set()
-        self._lost: dict[ClientGoal, float] = {}
-        self._pressed: dict[ClientGoal, float] = {}
-        self._ours: OrderedDict[bytes, ClientGoal] = OrderedDict()
+        self._running: set[RemoteGoal] = set()
+        self._lost: dict[RemoteGoal, float] = {}
+        self._pressed: dict[RemoteGoal, float] = {}
+        self._ours: OrderedDict[bytes, RemoteGoal] = OrderedDict()
         self._is_watched = self._is_probing = False
         runtime.later(patience_s, self._grow_impatient)
 
@@ -155,17 +155,17 @@ class GoalClient:
         elif goal.is_over and goal.sightings.is_active:
             self.look_again(goal)
 
-    def look_again(self, goal: ClientGoal) -> None:
+    def look_again(self, goal: RemoteGoal) -> None:
         """Find out after a while whether some server is executing a goal whose end was reported."""
         self.runtime.later(QUIET_S, lambda: self._find_stray(goal))
 
-    def _find_stray(self, goal: ClientGoal) -> None:
+    def _find_stray(self, goal: RemoteGoal) -> None:
         if goal.sightings.is_active and goal not in self._lost and (goal.is_contested or self.is_shared):
             goal.stray()
 
     # -- until the end ---------------------------------------------------------------------------------------------
 
-    def watch(self, goal: ClientGoal) -> None:
+    def watch(self, goal: RemoteGoal) -> None:
         """Look after the server until the goal has ended."""
         self._running.add(goal)
         self._ours[goal.uuid] = goal
@@ -173,12 +173,12 @@ class GoalClient:
             self._ours.popitem(last=False)
         self._look_later()
 
-    def chase(self, goal: ClientGoal) -> None:
+    def chase(self, goal: RemoteGoal) -> None:
         """No one owns a lost goal any more: if its server comes back with it, it is canceled."""
         self._lost[goal] = time.monotonic() + CHASE_S
         self._look_later()
 
-    def caught(self, goal: ClientGoal, *, is_replaced: bool = False) -> None:
+    def caught(self, goal: RemoteGoal, *, is_replaced: bool = False) -> None:
         """A lost goal runs no more at a server that has answered; unless another is seen to execute it.
 
         Args:
@@ -189,7 +189,7 @@ class GoalClient:
             self._let_go(goal)
             goal.be_over()
 
-    def _let_go(self, goal: ClientGoal) -> None:
+    def _let_go(self, goal: RemoteGoal) -> None:
         self._lost.pop(goal, None)
         self._pressed.pop(goal, None)
 
@@ -202,14 +202,14 @@ class GoalClient:
         for goal in tuple(self._lost):
             self._press(goal)
 
-    def _press(self, goal: ClientGoal) -> None:
+    def _press(self, goal: RemoteGoal) -> None:
         """Ask for a lost goal's end, in one word at a time: another would end what is sent again under its id."""
         now = time.monotonic()
         if goal in self._lost and now >= self._pressed.get(goal, 0.0):
             self._pressed[goal] = now + PRESS_S
             goal.cancel_blindly()
 
-    def answered(self, goal: ClientGoal) -> None:
+    def answered(self, goal: RemoteGoal) -> None:
         """A lost goal's server has answered, and may be asked again."""
         self._pressed.pop(goal, None)
 

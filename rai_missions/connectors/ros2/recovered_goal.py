@@ -12,15 +12,15 @@ from action_msgs.msg import GoalStatusArray
 from rclpy.qos import qos_profile_action_status_default
 
 from rai_missions.connectors.connector import Report
-from rai_missions.connectors.ros2.action_client import ClientGoal, End
 from rai_missions.connectors.ros2.node_thread import Work
+from rai_missions.connectors.ros2.remote_goal import End, RemoteGoal
 from rai_missions.connectors.ros2.rivals import statuses_in
 
 __all__ = ("RecoveredGoal",)
 
 
-class RecoveredGoal(ClientGoal):
-    """One goal of another process. On its runtime's thread only; arguments as `ClientGoal` has them."""
+class RecoveredGoal(RemoteGoal):
+    """One goal of another process. On its runtime's thread only; arguments as `RemoteGoal` has them."""
 
     _ears: tuple[Work, ...] = ()
     _is_known = False

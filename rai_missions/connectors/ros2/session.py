@@ -22,13 +22,13 @@ from rai_missions.connectors.connector import (
     Reply,
     Report,
 )
-from rai_missions.connectors.ros2.action_client import ClientGoal, End
 from rai_missions.connectors.ros2.action_server import ServedAction
 from rai_missions.connectors.ros2.config import Options
 from rai_missions.connectors.ros2.goal_client import GoalClient
 from rai_missions.connectors.ros2.node_thread import Runtime, Work, guarded
 from rai_missions.connectors.ros2.publishers import Publication
 from rai_missions.connectors.ros2.recovered_goal import RecoveredGoal
+from rai_missions.connectors.ros2.remote_goal import End, RemoteGoal
 from rai_missions.connectors.ros2.services import Client, Service
 from rai_missions.connectors.ros2.subscriptions import Listener, Subscriptions
 from rai_missions.connectors.stamps import ReadingDate, dated, stamp_of
@@ -37,7 +37,7 @@ from rai_missions.redaction import logger
 
 __all__ = ("Session",)
 
-Kind = TypeVar("Kind", bound=ClientGoal)
+Kind = TypeVar("Kind", bound=RemoteGoal)
 Made = TypeVar("Made")
 
 log = logger(__name__)
@@ -65,7 +65,7 @@ class Session:
         self._served: dict[str, Service | ServedAction] = {}
         self._calls: set[_Once] = set()
         self._goals: dict[str, Callable[[str], None]] = {}
-        self._sent: dict[str, ClientGoal] = {}
+        self._sent: dict[str, RemoteGoal] = {}
         self._is_silent = False
         self.runtime = Runtime(options, lambda: self._give_up("ROS was shut down"))
         self._subscriptions = Subscriptions(self.runtime, options.quality, self._date)
@@ -202,7 +202,7 @@ class Session:
         )
 
     def send_goal(self, action: str, cls: Any, goal: Any, goal_id: str, on_report: Callable[[Report], None]) -> None:
-        make = partial(self._goal, action, cls, goal_id, on_report, ClientGoal)
+        make = partial(self._goal, action, cls, goal_id, on_report, RemoteGoal)
         self._pursue(goal_id, on_report, make, lambda sent: sent.send(goal), unmade="rejected")
 
     def find_goal(self, action: str, cls: Any, goal_id: str, on_report: Callable[[Report], None]) -> None:
@@ -239,7 +239,7 @@ class Session:
         if not self._is_silent:
             on_report(one)
 
-    def _forget(self, goal: ClientGoal) -> None:
+    def _forget(self, goal: RemoteGoal) -> None:
         self._sent.pop(goal.goal_id, None)
         with self._lock:
             self._goals.pop(goal.goal_id, None)

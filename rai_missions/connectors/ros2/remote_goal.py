@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The goals that a mission pursues with action servers elsewhere, each until its end is known or its server is gone.
+"""One goal that a mission pursues at action servers elsewhere, until its end is known or its server is gone.
 
 Rule: a goal that has ended reports only whether it is executing nevertheless, a cancel is never lost and goes to every
 server, and what is accepted too late is canceled.
@@ -24,7 +24,7 @@ from rai_missions.connectors.ros2.node_thread import Work, guarded
 from rai_missions.connectors.ros2.rivals import Sightings
 from rai_missions.redaction import logger
 
-__all__ = ("ClientGoal", "End")
+__all__ = ("End", "RemoteGoal")
 
 log = logger(__name__)
 
@@ -39,7 +39,7 @@ ENDS: dict[int, End] = {
 }
 
 
-class ClientGoal:
+class RemoteGoal:
     """One goal on its way. On its runtime's thread only.
 
     Args:
@@ -50,7 +50,7 @@ class ClientGoal:
     """
 
     def __init__(
-        self, client: GoalClient, goal_id: str, on_report: Callable[[Report], None], ended: Callable[[ClientGoal], None]
+        self, client: GoalClient, goal_id: str, on_report: Callable[[Report], None], ended: Callable[[RemoteGoal], None]
     ) -> None:
         self._client, self.goal_id, self._report, self._ended = client, goal_id, on_report, ended
         self.uuid = goal_id_to_bytes(goal_id)
