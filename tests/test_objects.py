@@ -81,7 +81,7 @@ SHARED = {
     ("rai_missions/connectors/ros2/services.py", "response"): THIRD,
     ("rai_missions/connectors/ros2/messages.py", "message"): "a message of ROS, just made by its caller",
     ("rai_missions/trees/builder.py", "behaviour"): "made by the caller, who gives it away with all that it needs",
-    ("rai_missions/journal/sqlite.py", "connection"): "of a class of sqlite3's, with a note of what was cut off",
+    ("rai_missions/journal/sqlite_reader.py", "connection"): "of a class of sqlite3's, with a note of what was cut off",
     ("rai_missions/redaction.py", "record"): THIRD,
     ("rai_missions/trees/ticker.py", "node"): THIRD,
     ("visualize/graphviz.py", "dot_command"): THIRD,

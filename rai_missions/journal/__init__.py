@@ -7,9 +7,9 @@ Imports `connectors`, `engine`, `model` and `states`, and the modules of the roo
 from rai_missions.journal.codec import decode, encode
 from rai_missions.journal.diff import difference
 from rai_missions.journal.files import copied, free_name, make_way, set_aside
+from rai_missions.journal.lock import writing_at
 from rai_missions.journal.reader import Record
 from rai_missions.journal.rows import MIGRATED, Blob, Confirmation, Header, JournalRow, Note, Raw, StepRow
-from rai_missions.journal.sqlite import writing_at
 from rai_missions.journal.verify import checked, opened, read, verify
 from rai_missions.journal.writer import Journal, versions
 

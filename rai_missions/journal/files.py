@@ -13,8 +13,11 @@ from contextlib import suppress
 from pathlib import Path
 
 from rai_missions.errors import DefinitionError, Fault, UsageError
+from rai_missions.journal.lock import Lock, writing_at
 from rai_missions.journal.rows import Blob, Raw
-from rai_missions.journal.sqlite import BLOB, ROW, Lock, SqliteError, Unbegun, log_of, open_to_write, writing_at
+from rai_missions.journal.sqlite import BLOB, ROW, SqliteError, log_of
+from rai_missions.journal.sqlite_reader import Unbegun
+from rai_missions.journal.sqlite_writer import open_to_write
 from rai_missions.journal.verify import read
 
 __all__ = ("copied", "free_name", "make_way", "set_aside")

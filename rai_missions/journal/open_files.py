@@ -17,7 +17,7 @@ from typing import Protocol
 from weakref import WeakSet
 
 from rai_missions.connectors.worker import Worker
-from rai_missions.journal.sqlite import FILES, may_open
+from rai_missions.journal.lock import FILES, may_open
 
 __all__ = ("OPEN", "OpenFiles", "OpenJournal")
 

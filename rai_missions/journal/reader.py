@@ -17,7 +17,8 @@ from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.given import given_path
 from rai_missions.journal.rows import Blob, Confirmation, Header, JournalRow, Note, Raw, StepRow, parsed, read_header
-from rai_missions.journal.sqlite import Closable, SqliteError, open_to_read
+from rai_missions.journal.sqlite import SqliteError
+from rai_missions.journal.sqlite_reader import open_to_read
 from rai_missions.redaction import cut
 
 __all__ = ("Record",)
@@ -27,7 +28,7 @@ BAD = (ValueError, TypeError, KeyError, AttributeError, OverflowError, Recursion
 """What a row that is none raises on its way to a value."""
 
 
-class Record(Closable):
+class Record:
     """What was in a journal when it was opened. A context manager.
 
     Made by `read`, which checks it first; opened by itself, nothing is known of it but that it is a journal.
@@ -140,6 +141,12 @@ class Record(Closable):
         for (sentence,) in self._found("PRAGMA integrity_check(10)"):
             if sentence != "ok":
                 yield str(sentence)
+
+    def __enter__(self) -> Record:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     def close(self) -> None:
         """Ends the reading; the bytes of pictures that no one asked for are out of reach then."""

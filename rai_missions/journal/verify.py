@@ -17,7 +17,7 @@ from rai_missions.image import media_type
 from rai_missions.journal.json_values import pictures_in
 from rai_missions.journal.reader import Record
 from rai_missions.journal.rows import GENESIS, JournalRow, Raw, StepRow, chained
-from rai_missions.journal.sqlite import NoJournal, Unbegun
+from rai_missions.journal.sqlite_reader import NoJournal, Unbegun
 from rai_missions.redaction import cut_repr
 
 __all__ = ("checked", "opened", "read", "verify")

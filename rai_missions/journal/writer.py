@@ -25,24 +25,11 @@ from rai_missions.given import given_path
 from rai_missions.image import Image, media_type
 from rai_missions.journal.codec import encode
 from rai_missions.journal.json_values import to_json
+from rai_missions.journal.lock import Lock, out_of_files
 from rai_missions.journal.open_files import OPEN
 from rai_missions.journal.rows import GENESIS, Blob, Header, Raw, chained, text_of, written_header
-from rai_missions.journal.sqlite import (
-    BLOB,
-    MORE,
-    ROW,
-    Closable,
-    Connection,
-    Lock,
-    SqliteError,
-    close_to_rest,
-    end_of_opening,
-    end_rest,
-    open_again,
-    open_to_write,
-    out_of_files,
-    widen,
-)
+from rai_missions.journal.sqlite import BLOB, MORE, ROW, Connection, SqliteError
+from rai_missions.journal.sqlite_writer import close_to_rest, end_of_opening, end_rest, open_again, open_to_write, widen
 from rai_missions.redaction import logger
 
 __all__ = ("Journal", "versions")
@@ -77,7 +64,7 @@ def _version() -> str:
     return ""
 
 
-class Journal(Closable):
+class Journal:
     """Appends rows to a journal. Made by `create` or `open`; safe to use from several threads.
 
     Survives: the end of the process at any instant, `kill -9` included, loses no row that `write` has returned from.
@@ -182,6 +169,12 @@ class Journal(Closable):
     def note(self, text: str, data: Any = None) -> int:
         """Writes something that a reader should know; raises as `write` does."""
         return self._append([("note", text_of({"text": text, "data": to_json(data)}))])
+
+    def __enter__(self) -> Journal:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     def close(self) -> None:
         """Ends the writing; doing so twice changes nothing.

@@ -17,9 +17,9 @@ from pathlib import Path
 
 from rai_missions.errors import DefinitionError, Fault, MissionError
 from rai_missions.journal import Header, Note, StepRow
+from rai_missions.journal.lock import Lock
 from rai_missions.journal.reader import Record
 from rai_missions.journal.rows import GENESIS, Raw, chained
-from rai_missions.journal.sqlite import Lock
 from rai_missions.mission.mission import Mission
 from rai_missions.redaction import shown
 from visualize.live.scene import RunScene

@@ -14,7 +14,7 @@ import pytest
 
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.journal import MIGRATED, Header, Journal
-from rai_missions.journal.sqlite import Lock
+from rai_missions.journal.lock import Lock
 from rai_missions.mission.mission import Mission
 from tests.visualize.live.stage import Run, Viewer, ask, until
 from tests.visualize.live.test_scene import play
