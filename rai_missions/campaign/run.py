@@ -8,57 +8,32 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
-from datetime import timedelta
 from typing import Any, NamedTuple
 
-from rai_missions.campaign.budget import Spending, with_use_of
-from rai_missions.campaign.cells import Cell, cells_of, code_digest, digest
-from rai_missions.campaign.embodiments import embodiment_digest
+from rai_missions.campaign.budget import Spending
+from rai_missions.campaign.intake import Intake, Progress
 from rai_missions.campaign.load import LoadedCampaign
-from rai_missions.campaign.models import is_chat, model_digest
+from rai_missions.campaign.models import is_chat
+from rai_missions.campaign.plan import CampaignPlan, plan_of
 from rai_missions.campaign.pool import LocalPool, TaskPool
 from rai_missions.campaign.records import (
     CellRecord,
     LabelRecord,
-    SceneRecord,
-    UnlabelledScene,
     graded,
     is_tried,
     parameters_in,
 )
 from rai_missions.campaign.store import LostParts, ResultStore
-from rai_missions.campaign.tasks import SceneTask, TaskRecord, WorkSettings
+from rai_missions.campaign.tasks import SceneTask, WorkSettings
 from rai_missions.errors import UsageError
 from rai_missions.redaction import Redaction
 
-__all__ = ("CampaignPlan", "CampaignResult", "Progress", "plan_of", "run_campaign")
+__all__ = ("CampaignResult", "run_campaign")
 
 UNLABELLED = "none"
 """The word of a campaign's file for labels from nowhere but the store."""
-COMMIT_S, COMMIT_RECORDS = 0.5, 200
-"""What came is committed after so long, or when there is so much of it; a cell that cost calls at once."""
-
-
-class Progress(NamedTuple):
-    """How far a campaign is."""
-
-    done: int
-    """Cells with a record, earlier runs included; where labels alone are made, scenes with labels."""
-    total: int
-    rate: float
-    """Cells or scenes a second, in this run."""
-    left_s: float | None
-    """Seconds until all are done, at this rate; None before the first."""
-    money: float
-    unit: str = "cells"
-
-    def words(self, currency: str) -> str:
-        """In a line."""
-        left = "" if self.left_s is None else f", {timedelta(seconds=round(self.left_s))} left"
-        cost = f", {self.money:.2f} {currency}" if self.money else ""
-        return f"{self.done} of {self.total} {self.unit}, {self.rate:.1f} {self.unit}/s{left}{cost}"
 
 
 class CampaignResult(NamedTuple):
@@ -75,65 +50,6 @@ class CampaignResult(NamedTuple):
     """Why cells failed → how many did, the most first."""
     unlabelled: Mapping[str, int] = {}
     """Why scenes could not be labelled → how many, the most first."""
-
-
-class CampaignPlan(NamedTuple):
-    """What a campaign consists of."""
-
-    scenes: tuple[SceneRecord, ...]
-    cells: Mapping[str, Cell]
-    """Key → cell, in the order in which they are asked."""
-    labels: Mapping[str, Mapping[str, str]]
-    """Scene → option → verdict of physics."""
-    code: str
-    """Digest of the code by which it is asked."""
-    embodiments: Mapping[str, str]
-    """Name → digest of the files that it shows."""
-
-    def tasks(self, done: set[str], shown: set[tuple[str, str]], *, rates: bool = False) -> Iterator[SceneTask]:
-        """What is left to do, a scene at a time.
-
-        Args:
-            done: Keys of cells that have their record.
-            shown: Scene and embodiment of the questions that are stored.
-            rates: Labels are wanted, where there are none.
-        """
-        left: dict[str, list[tuple[str, Cell]]] = {}
-        for key, cell in self.cells.items():
-            if key not in done:
-                left.setdefault(cell.scene, []).append((key, cell))
-        for scene in self.scenes:
-            cells, labels = left.get(scene.scene, []), self.labels.get(scene.scene, {})
-            shows = any((scene.scene, cell.embodiment) not in shown for _, cell in cells)
-            if cells or (rates and not labels):
-                yield SceneTask(scene, tuple(cells), labels, shows, rates and not labels)
-
-    def label_tasks(self) -> Iterator[SceneTask]:
-        """The scenes that have no labels yet, without their cells."""
-        for scene in self.scenes:
-            if not self.labels.get(scene.scene):
-                yield SceneTask(scene, (), {}, shows=False, rates=True)
-
-
-def plan_of(loaded: LoadedCampaign) -> CampaignPlan:
-    """Every cell of a campaign under its key; no scene has labels yet."""
-    file, robot = loaded.file, loaded.subject.robot
-    scenes = tuple(file.scenes.scenes())
-    digests = {each.scene: digest([each.world, each.spec, each.seed]) for each in scenes}
-    kinds = {each.scene: each.kind for each in scenes}
-    code = code_digest()
-    common = {"mission": loaded.digest, "code": code}
-    models = {model: model_digest(model, file, robot) for model in file.models}
-    bodies = {name: embodiment_digest(name, loaded.subject.identity) for name in file.embodiments}
-    cells: dict[str, Cell] = {}
-    names = [(each.scene, each.seed) for each in scenes]
-    for cell in cells_of(loaded.subject.mission.name, names, file.models, file.embodiments, file.orders):
-        inputs = {**common, "scene": digests[cell.scene], "model": models[cell.model]}
-        inputs["embodiment"] = bodies[cell.embodiment]
-        if cell.model in file.scripts:
-            inputs["kind"] = kinds[cell.scene]  # by which a script answers
-        cells[cell.key(inputs)] = cell
-    return CampaignPlan(scenes, cells, {}, code, bodies)
 
 
 def run_campaign(
@@ -184,19 +100,20 @@ def run_campaign(
         missing = len({each.scene for each in plan.scenes} - _whole(store.labels(), loaded.subject.options).keys())
     else:
         missing = len(plan.cells.keys() - store.keys().keys())
-    seconds = time.monotonic() - began
     ends = [end for key, end in store.ends().items() if key in plan.cells]
-    counts = Counter(status for status, _ in ends)
-    failures = Counter(error for status, error in sorted(ends) if status == "failed")
-    unlabelled = Counter(intake.unlabelled.values())
     return CampaignResult(
-        counts,
+        Counter(status for status, _ in ends),
         missing,
         stopped if missing else "",
-        seconds,
-        dict(failures.most_common()),
-        dict(unlabelled.most_common()),
+        time.monotonic() - began,
+        _most_first(error for status, error in ends if status == "failed"),
+        _most_first(intake.unlabelled.values()),
     )
+
+
+def _most_first(reasons: Iterable[str]) -> dict[str, int]:
+    """Reason → how often it is there, the most first; of those as frequent, in the order of their words."""
+    return dict(Counter(sorted(reasons)).most_common())
 
 
 def _labelled_plan(loaded: LoadedCampaign, store: ResultStore) -> CampaignPlan:
@@ -221,81 +138,6 @@ def _work(pool: TaskPool, tasks: Iterable[SceneTask], intake: Intake, spending: 
         if not stopped and (stopped := spending.spent(time.monotonic() - began)):
             pool.stop()
     return stopped
-
-
-class Intake:
-    """What comes from a pool, on its way into the store.
-
-    Args:
-        store: Where it goes.
-        spending: Counts what it cost.
-        on_progress: Receives how far it is.
-        done: How many are done already.
-        total: How many there are.
-        counts: What is counted: cells, or scenes that have labels.
-    """
-
-    def __init__(
-        self,
-        store: ResultStore,
-        spending: Spending,
-        on_progress: Callable[[Progress], None],
-        done: int,
-        total: int,
-        *,
-        counts: type[CellRecord | LabelRecord] = CellRecord,
-    ) -> None:
-        self._store, self._spending, self._on_progress = store, spending, on_progress
-        self._before, self._total, self._counts = done, total, counts
-        self._new = set[str]()
-        self.labelled = set[str]()
-        """Scenes whose labels came."""
-        self.unlabelled = dict[str, str]()
-        """Scene → why it could not be labelled."""
-        self._began = self._committed = time.monotonic()
-        self._failed = {each.cell: each._replace(raw="") for each in store.cells() if each.status == "failed"}
-        self._held: list[TaskRecord] = []
-
-    def take(self, record: TaskRecord | None) -> None:
-        """A record, or None where only time has passed."""
-        if isinstance(record, self._counts):
-            self._new.add(record[0])
-        if isinstance(record, LabelRecord):
-            self.labelled.add(record.scene)
-        if isinstance(record, UnlabelledScene):
-            self.unlabelled[record.scene], record = record.why, None
-        if isinstance(record, CellRecord):
-            self._spending.add(record)
-            earlier = self._failed.get(record.cell)
-            record = record if earlier is None else with_use_of(record, earlier)
-        if record is not None:
-            self._held.append(record)
-        if isinstance(record, CellRecord) and record.calls:
-            self._keep()  # what it cost is not forgotten by a kill
-        if len(self._held) >= COMMIT_RECORDS or time.monotonic() - self._committed > COMMIT_S:
-            self.commit()
-
-    def commit(self) -> None:
-        """Have the store hold what came until now, and report how far it is."""
-        self._keep()
-        self._committed = time.monotonic()
-        self._on_progress(self.progress)
-
-    def _keep(self) -> None:
-        if self._held:
-            self._store.add(self._held)
-            self._held.clear()
-
-    @property
-    def progress(self) -> Progress:
-        """How far it is."""
-        new, seconds = len(self._new), time.monotonic() - self._began
-        done, rate = self._before + new, new / seconds if seconds > 0 else 0.0
-        left_s, unit = (
-            (self._total - done) / rate if rate else None,
-            "cells" if self._counts is CellRecord else "scenes",
-        )
-        return Progress(done, self._total, rate, left_s, self._spending.money, unit)
 
 
 def _check_sources(loaded: LoadedCampaign, settings: WorkSettings, *, labels_alone: bool) -> None:

@@ -149,7 +149,7 @@ def test_a_store_that_was_cut_anywhere_is_continued_and_judged_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("STRANGERS_API_KEY", SECRET)
-    monkeypatch.setattr("rai_missions.campaign.run.COMMIT_RECORDS", 1)
+    monkeypatch.setattr("rai_missions.campaign.intake.COMMIT_RECORDS", 1)
     answer = {"option": "right", "why": f"by {SECRET}", "usage": {"calls": 1, "tokens_in": 3, "tokens_out": 1}}
     path = write_campaign(tmp_path, campaign_data(1, scripts={SCRIPT: {"*": answer}}))
     CutPool.cuts, CutPool.store = [], tmp_path / "whole.db"

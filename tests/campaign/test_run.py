@@ -15,11 +15,13 @@ from typing import Any
 
 import pytest
 
+from rai_missions.campaign.intake import Progress
 from rai_missions.campaign.load import load_campaign
+from rai_missions.campaign.plan import plan_of
 from rai_missions.campaign.pool import LocalPool
 from rai_missions.campaign.ray_pool import RayPool
 from rai_missions.campaign.records import CellRecord
-from rai_missions.campaign.run import CampaignResult, Progress, plan_of, run_campaign
+from rai_missions.campaign.run import CampaignResult, run_campaign
 from rai_missions.campaign.store import ResultStore
 from rai_missions.campaign.tasks import SceneTask, TaskRecord, Workplace, WorkSettings
 from rai_missions.errors import UsageError
@@ -547,7 +549,7 @@ def counted(store: Path) -> int:
 def test_an_answer_that_cost_calls_is_stored_before_the_next_comes(
     tmp_path: Path, calls: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rai_missions.campaign.run.COMMIT_S", float("inf"))
+    monkeypatch.setattr("rai_missions.campaign.intake.COMMIT_S", float("inf"))
     answer = {"option": "left", "usage": {"calls": calls, "tokens_in": 3, "tokens_out": 1}}
     path = write_campaign(tmp_path, campaign_data(models=["teller"], scripts={"teller": {"*": answer}}))
     stored = list[int]()

@@ -10,9 +10,10 @@ from rai_missions.cli.command import Argument, command
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
 
+    from rai_missions.campaign.intake import Progress
     from rai_missions.campaign.load import LoadedCampaign
     from rai_missions.campaign.pool import TaskPool
-    from rai_missions.campaign.run import CampaignResult, Progress
+    from rai_missions.campaign.run import CampaignResult
     from rai_missions.campaign.tasks import WorkSettings
 
 __all__ = ("CampaignOptions", "campaign")
@@ -91,7 +92,7 @@ def _report(store: str, page: str | None) -> int:
 
 def _check(options: CampaignOptions) -> int:
     from rai_missions.campaign.checks import faults_at_work
-    from rai_missions.campaign.run import plan_of
+    from rai_missions.campaign.plan import plan_of
     from rai_missions.errors import DefinitionError, counted
 
     loaded = _loaded(options)
