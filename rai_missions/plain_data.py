@@ -24,6 +24,7 @@ __all__ = (
     "json_value",
     "listed",
     "plain",
+    "printable",
     "quoted",
     "rounded",
     "text_fault",
@@ -114,6 +115,16 @@ def json_object(text: str | bytes) -> dict[str, Any] | None:
     """The object that JSON text holds; None where it holds none."""
     found = json_value(text)
     return found if isinstance(found, dict) else None
+
+
+def printable(text: str, instead: str = "�") -> str:
+    """A text that cannot move the cursor, ring the bell or turn the line around.
+
+    Args:
+        text: Anyone's.
+        instead: What is shown for each character that would.
+    """
+    return "".join(letter if letter.isprintable() else instead for letter in text)
 
 
 def listed(value: Any, name: str = "") -> str:

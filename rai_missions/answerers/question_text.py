@@ -12,10 +12,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from rai_missions.answerers.terminal_input import printable
 from rai_missions.engine.decision import Offer, Question
 from rai_missions.mission.option_parameters import parameter_faults
-from rai_missions.plain_data import is_number, json_value
+from rai_missions.plain_data import is_number, json_value, printable
 from rai_missions.redaction import cut
 
 __all__ = ("Blank", "blanks", "chosen", "question_lines")

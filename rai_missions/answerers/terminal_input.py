@@ -13,15 +13,10 @@ import time
 
 from rai_missions.connectors.readable import readable
 
-__all__ = ("LineReader", "in_foreground", "printable")
+__all__ = ("LineReader", "in_foreground")
 
 LONGEST = 4_096
 """Bytes of a line that are kept; no terminal passes on more."""
-
-
-def printable(text: str) -> str:
-    """A text that cannot move the cursor, ring the bell or turn the line around."""
-    return "".join(letter if letter.isprintable() else "�" for letter in text)
 
 
 def in_foreground(fd: int) -> bool:

@@ -14,6 +14,7 @@ from rai_missions.campaign.report.comparisons import LEVEL, Comparison, Pairing,
 from rai_missions.campaign.report.figures import CampaignFigures, GroupName, figures_of
 from rai_missions.campaign.store import ResultStore
 from rai_missions.errors import counted
+from rai_missions.plain_data import printable
 
 __all__ = ("StoreComparison", "compare")
 
@@ -44,8 +45,8 @@ class StoreComparison(NamedTuple):
             *(f"  {each.words()}" for each in better),
             f"noise ({len(noise)}):",
             *(f"  {each.words()}" for each in noise),
-            *(f"only in A: {_named(each)}" for each in self.only_first),
-            *(f"only in B: {_named(each)}" for each in self.only_second),
+            *(f"only in A: {printable(each.words())}" for each in self.only_first),
+            *(f"only in B: {printable(each.words())}" for each in self.only_second),
         ]
         return "\n".join(lines) + "\n"
 
@@ -82,15 +83,10 @@ def _pairings(first: CampaignFigures, second: CampaignFigures, scenes: set[str])
         other = others.get(group.name)
         if other is not None:
             ours = {key: answer for key, answer in group.answers.items() if key[0] in scenes}
-            words = _named(group.name)
+            words = printable(group.name.words())
             yield Pairing(f"A's {words}", f"B's {words}", tuple(matched(ours, other.answers)))
 
 
 def _facts(figures: CampaignFigures, scene: str) -> object:
     """What has to be alike for two answers to be a pair."""
     return figures.scenes[scene].spec, figures.scenes[scene].seed, figures.labels.get(scene)
-
-
-def _named(name: GroupName) -> str:
-    """For a terminal: what is not printed is shown as `�`."""
-    return "".join(each if each.isprintable() else "�" for each in name.words())

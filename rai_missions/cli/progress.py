@@ -17,7 +17,7 @@ from rai_missions.engine.description import Description, describe
 from rai_missions.engine.step import Ask, Effect, Step
 from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
-from rai_missions.plain_data import listed
+from rai_missions.plain_data import listed, printable
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Result
 from rai_missions.runtime.view import RunView
@@ -35,7 +35,7 @@ Tone = Literal["plain", "question", "refused", "remark", "ignored", FinalOutcome
 def trimmed(value: Any, width: int = WIDTH) -> str:
     """A value in one line of bounded length, without control characters."""
     text = value if isinstance(value, str) else listed(value)
-    text = " ".join("".join(char if char.isprintable() else " " for char in text).split())
+    text = " ".join(printable(text, " ").split())
     return text if len(text) <= width else text[: width - 1] + "…"
 
 

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from rai_missions.errors import DefinitionError, suggestion
 from rai_missions.event import Origin
 from rai_missions.mission.json_reader import parse_json
+from rai_missions.plain_data import printable
 from rai_missions.redaction import Redaction, cut, redacted, shown
 from rai_missions.runtime.requests import GOOD_FOR_S
 from rai_missions.states.control import HOLDERS
@@ -120,8 +121,7 @@ def mapping_in(text: Any, what: str) -> dict[str, Any] | str:
 def who(given: Any) -> str:
     """The name under which a client appears in the journal: one short line, `operator` where none is given."""
     text = given if isinstance(given, str) else ""
-    line = "".join(letter if letter.isprintable() else " " for letter in redacted(text))
-    return cut(line, LONGEST_NAME).strip() or "operator"
+    return cut(printable(redacted(text), " "), LONGEST_NAME).strip() or "operator"
 
 
 def from_ros(order: Command) -> Command:

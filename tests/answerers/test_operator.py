@@ -19,9 +19,10 @@ from hypothesis import strategies as st
 
 from rai_missions.answerers.model import pending
 from rai_missions.answerers.question_text import Blank, blanks, chosen, question_lines
-from rai_missions.answerers.terminal_input import LineReader, printable
+from rai_missions.answerers.terminal_input import LineReader
 from rai_missions.answerers.terminal_operator import OperatorAgent
 from rai_missions.engine.decision import Evidence, Limits, Offer, Question
+from rai_missions.plain_data import printable
 from rai_missions.testing import QUESTION, ReplyCollector, answer_fault, check_agent, check_answerer
 from tests.rigs.files import many_files
 

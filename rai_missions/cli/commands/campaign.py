@@ -219,6 +219,7 @@ def _reasons(how_many: Callable[[int], str], counts: Mapping[str, int]) -> str:
 
 def _printed(error: str) -> str:
     """What a model or a package wrote, in a line that a terminal prints as it is."""
+    from rai_missions.plain_data import printable
     from rai_missions.redaction import cut
 
-    return "".join(each if each.isprintable() else " " for each in cut(error, LONGEST_REASON))
+    return printable(cut(error, LONGEST_REASON), " ")

@@ -21,10 +21,11 @@ from rich.console import Console
 from rich.text import Text
 
 from rai_missions.agents.talk.doors import TalkLine
-from rai_missions.answerers.terminal_input import LineReader, printable
+from rai_missions.answerers.terminal_input import LineReader
 from rai_missions.cli.live_terminal import STYLES
 from rai_missions.cli.progress import Lines, Tone, trimmed
 from rai_missions.mission.mission import Mission
+from rai_missions.plain_data import printable
 
 __all__ = ("LineInput", "TalkLines", "TypedLines", "line_words", "open_typing")
 
