@@ -11,9 +11,12 @@ from rai_missions.engine import Named
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.step import Step
 from rai_missions.given import given_names
+from rai_missions.redaction import logger
 from rai_missions.runtime.lifecycle import Status
 
-__all__ = ("NewRun", "RunObserver")
+__all__ = ("HarmlessObserver", "NewRun", "RunObserver")
+
+log = logger(__name__)
 
 T = TypeVar("T")
 
@@ -55,6 +58,33 @@ class RunObserver(NamedTuple):
     def before(self, other: RunObserver) -> RunObserver:
         """An observer that passes each step and each status on to both, to this one first."""
         return RunObserver(_both(self.on_step, other.on_step), _both(self.on_status, other.on_status))
+
+
+class HarmlessObserver:
+    """Calls an observer: what it raises harms nothing, and the first thing that each callback raises is logged.
+
+    Args:
+        observer: Whose callbacks are called.
+    """
+
+    def __init__(self, observer: RunObserver) -> None:
+        self._observer = observer
+        self._failed: set[str] = set()
+
+    def on_step(self, step: Step) -> None:
+        self._call("on_step", self._observer.on_step, step)
+
+    def on_status(self, status: Status) -> None:
+        self._call("on_status", self._observer.on_status, status)
+
+    def _call(self, name: str, callback: Callable[[T], None] | None, what: T) -> None:
+        try:
+            if callback is not None:
+                callback(what)
+        except Exception:
+            if name not in self._failed:
+                self._failed.add(name)
+                log.exception("%s raised; the run continues", name)
 
 
 def _both(first: Callable[[T], None] | None, second: Callable[[T], None] | None) -> Callable[[T], None] | None:

@@ -13,7 +13,7 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from types import NoneType
-from typing import Any, TypeVar
+from typing import Any
 
 from rai_missions.connectors.connector import Connector
 from rai_missions.engine import Chart
@@ -39,7 +39,7 @@ from rai_missions.runtime.mailbox import Mailbox
 from rai_missions.runtime.readings import refused
 from rai_missions.runtime.recovery import ResyncWindow, resume_effects
 from rai_missions.runtime.result import Result
-from rai_missions.runtime.run_options import NewRun, RunObserver
+from rai_missions.runtime.run_options import HarmlessObserver, NewRun, RunObserver
 from rai_missions.runtime.scheduler import Scheduler
 from rai_missions.runtime.view import RunView
 
@@ -47,7 +47,6 @@ __all__ = ("Result", "Runner")
 
 log = logger(__name__)
 
-T = TypeVar("T")
 NEW_RUN, UNOBSERVED, NO_ROBOT = NewRun(), RunObserver(), Robot("none")
 SURVEYED_S = 3.0
 """How long after `ready_s` it may take to be known which actions two servers serve."""
@@ -135,9 +134,8 @@ class Runner(RunCommands):
         for each in (answerers or {}).values():
             if isinstance(each, ReadsRun):
                 each.read_from(self.view)
-        self._failed_observers: set[str] = set()
         self._about = (robot or NO_ROBOT).about
-        self._observer = observer
+        self._observer = HarmlessObserver(observer)
         self._notes: deque[tuple[str, Any]] = deque()
         self._loose: tuple[OpenGoal, ...] = self._chart.loose_goals
 
@@ -337,10 +335,10 @@ class Runner(RunCommands):
                 self._take(event)
                 self._clock.taken(self._mailbox, paced=self._is_paced)
                 continue
-            self._write_confirmation()
+            self._journal(self._writer.flush)  # no event is taken now, with which a confirmation could be written
             if not done() and self._scheduler.due > -math.inf:  # a wake may be taken before what it was for
                 self._idle(until)
-        self._write_confirmation()
+        self._journal(self._writer.flush)
 
     def _do_due(self) -> None:
         """What is asked of the runner itself, and what its time has come for."""
@@ -428,8 +426,7 @@ class Runner(RunCommands):
     def _report(self, step: Step) -> None:
         self._decisions += step.questions
         self._report_status(step)
-        if self._observer.on_step is not None:
-            self._observe(self._observer.on_step, step, "on_step")
+        self._observer.on_step(step)
 
     def _report_status(self, step: Step) -> None:
         chart = self._chart
@@ -441,37 +438,25 @@ class Runner(RunCommands):
         is_stop = chart.outcome is not None and step.event.kind != "control"
         if status is not None and status.control == "nobody" and is_stop:
             self._executor.handovers.let_go(self._scheduler.wake)
-        if status is not None and self._observer.on_status is not None:
-            self._observe(self._observer.on_status, status, "on_status")
-
-    def _observe(self, observer: Callable[[T], None], what: T, name: str) -> None:
-        """An observer cannot harm the run; the first thing that each raises is logged."""
-        try:
-            observer(what)
-        except Exception:
-            if name not in self._failed_observers:
-                self._failed_observers.add(name)
-                log.exception("%s raised; the run continues", name)
+        if status is not None:
+            self._observer.on_status(status)
 
     # -- the journal ----------------------------------------------------------------------------------------------
 
-    def _write(self, step: Step, since: float) -> bool:
-        self._steps = step.seq
-        lost = raised_by(lambda: self._writer.write(step, since))
+    def _journal(self, write: Callable[[], None]) -> bool:
+        """Have something written down; whether it was."""
+        lost = raised_by(write)
         if lost is not None:
             self._lose_journal(lost)
         return lost is None
 
-    def _write_confirmation(self) -> None:
-        """No event is taken now, so none is there for it to be written with."""
-        if lost := raised_by(self._writer.flush):
-            self._lose_journal(lost)
+    def _write(self, step: Step, since: float) -> bool:
+        self._steps = step.seq
+        return self._journal(lambda: self._writer.write(step, since))
 
     def _write_notes(self) -> None:
         while self._notes:
-            each = self._notes.popleft()
-            if lost := raised_by(partial(self._writer.note, *each)):
-                self._lose_journal(lost)
+            self._journal(partial(self._writer.note, *self._notes.popleft()))
 
     @property
     def _due(self) -> float:
