@@ -18,7 +18,7 @@ from rai_missions.conversation.sentence_grammar import MOST_MENDED, MOST_WORDS, 
 from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.view import StatusView
 from rai_missions.engine.decision import Question
-from rai_missions.planning.text.normalise import once
+from rai_missions.planning.text.normalise import once, unrepeated
 
 __all__ = ("Grammar",)
 
@@ -56,6 +56,7 @@ class Grammar:
             view: The run: which options, missions and keys there are.
             draft: The order that it may correct.
         """
+        text = self._unrepeated(text)
         words = self.language.normaliser.words(text)
         whole = self.sentence.senses(words, view, draft)
         is_open = _is_open(whole)
@@ -78,7 +79,8 @@ class Grammar:
 
     def answers(self, text: str, questions: Sequence[Question]) -> bool:
         """Whether a sentence would answer one of these questions, as a whole or as a correction."""
-        return self.sentence.answers(self.language.normaliser.bare(self.language.normaliser.words(text)), questions)
+        words = self.language.normaliser.words(self._unrepeated(text))
+        return self.sentence.answers(self.language.normaliser.bare(words), questions)
 
     def free_answer(self, text: str, view: StatusView) -> Sense | None:
         """A sentence without another meaning as an answer in free words, to be read back; None where none is asked."""
@@ -89,11 +91,17 @@ class Grammar:
 
     def question_by_sense(self, text: str, view: StatusView) -> Sense | None:
         """What a sentence without another meaning asks in words of its own; None where it asks for no state."""
-        return self.sentence.question_by_sense(text, view)
+        return self.sentence.question_by_sense(self._unrepeated(text), view)
 
     def answers_by_sense(self, text: str, view: StatusView) -> tuple[Sense, ...]:
         """What a sentence without another meaning answers in words of its own, to be read back."""
-        return tuple(self.sentence.answers_by_sense(text, view))
+        return tuple(self.sentence.answers_by_sense(self._unrepeated(text), view))
+
+    def _unrepeated(self, text: str) -> str:
+        """A sentence that repeats its words for emphasis, with them once: `go!` of `go, go, go!`."""
+        words = self.language.normaliser.words(text)
+        once_only, sign = unrepeated(words), text.rstrip()[-1:]
+        return text if once_only == words else " ".join(once_only) + ("" if sign.isalnum() else sign)
 
     def _is_within(self, sense: Sense, parts: Sequence[str]) -> bool:
         """Whether each text that a sense has is in one part: not the thing of `Find the cup. I am here`."""

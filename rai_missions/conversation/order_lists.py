@@ -58,6 +58,8 @@ class OrderLists:
         data = self._language.data
         self._correcting = frozenset(data["correcting"])
         self._things = frozenset(data["thing_pronouns"]) - self._language.articles
+        self._no_parts = [*self._language.joints, *([word] for word in data["going"])]
+        """What joins two parts or begins one, `go` of `go find the cup`, and is none by itself."""
 
     def senses(self, text: str, view: StatusView, whole: Sequence[Sense]) -> tuple[Sense, ...]:
         """The list that a sentence is, several where its parts are ambiguous; with the rest of it that is not read.
@@ -123,13 +125,13 @@ class OrderLists:
             at = begun + len(clause)
 
     def part(self, words: Sequence[str], view: StatusView) -> Part:
-        """What a part of a sentence means: orders or questions; empty for anything else, and for a joint alone.
+        """What a part of a sentence means: orders or questions; empty for anything else, and for a joint or `go` alone.
 
         Args:
             words: Of the part.
             view: The run.
         """
-        if list(words) in self._language.joints:
+        if list(words) in self._no_parts:
             return ()
         for form in (list(words), self._language.imperative(words)):
             found = self._grammar.senses(form, view)

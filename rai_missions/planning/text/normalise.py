@@ -11,7 +11,7 @@ from typing import Any
 
 from rai_missions.redaction import clipped
 
-__all__ = ("LONGEST", "LONGEST_WORD", "Normaliser", "each_way", "is_near", "is_slip", "once", "readable")
+__all__ = ("LONGEST", "LONGEST_WORD", "Normaliser", "each_way", "is_near", "is_slip", "once", "readable", "unrepeated")
 
 LONGEST = 2_000
 """Characters of a sentence that are read; no order is longer."""
@@ -196,3 +196,9 @@ def once(words: list[str]) -> Iterator[str]:
         if word != last:
             yield word
         last = word
+
+
+def unrepeated(words: list[str]) -> list[str]:
+    """The words once, where they are but a repetition: `carry on carry on` is `carry on`."""
+    sizes = (size for size in range(1, len(words) // 2 + 1) if len(words) % size == 0)
+    return words[: next((size for size in sizes if words[size:] == words[:-size]), len(words))]
