@@ -7,7 +7,7 @@ Rule: an order is an event in the run's mailbox like any other; its reply is wha
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -212,7 +212,7 @@ class RunSession:
         if question is None:
             return f"question {number} is not open; open: {still or 'none'}"
         state = self.runner.mission.state(question.state)
-        if question.asked != "operator" and not any("operator" in ask for ask in _asks(state.written())):
+        if question.asked != "operator" and not any("operator" in each.ask for each in state.decisions().values()):
             return f"question {number} is not for the operator; it is asked of {question.asked}"
         return ""
 
@@ -280,15 +280,3 @@ def _reply_of(order: Command, step: Step) -> CommandReply:
         return CommandReply(True, "it is judged once the run is resumed, or control is given back", order.id)
     remark = "nothing in the mission reacts to it now" if order.command == "post" and step.ignored else ""
     return CommandReply(True, remark, order.id)
-
-
-def _asks(written: Any) -> Iterator[Any]:
-    """Whom the decisions in a state ask, wherever in it they are."""
-    if isinstance(written, Mapping):
-        if "question" in written:
-            yield written.get("ask", ("agent", "operator", "rules"))
-        for each in written.values():
-            yield from _asks(each)
-    elif isinstance(written, list | tuple):
-        for each in written:
-            yield from _asks(each)
