@@ -64,10 +64,10 @@ def try_(
             TerminalPlay(session, sys.stdin, sys.stdout, is_person=sys.stdin.isatty()).run()
     else:
         from rai_missions.cli.play.page import serve
-        from rai_missions.cli.run.live_page import open_page, place_of
+        from rai_missions.cli.run.open_page import open_page
 
         instead = "; or play at the terminal: --terminal"
-        page = open_page(place_of(port or 0, host=None, tls_cert=None, tls_key=None, instead=instead))
+        page = open_page(port or 0, host=None, tls_cert=None, tls_key=None, instead=instead)
         try:
             serve(page, session, opens=not no_browser)
         finally:

@@ -39,14 +39,15 @@ def watch(
         rai-missions watch journals/tractor-20260101-090000-4711.journal
     """
     from rai_missions.cli.run.find_page import find_journal, running_page
-    from rai_missions.cli.run.live_page import open_page, place_of, show_journal
+    from rai_missions.cli.run.journal_page import show_journal
+    from rai_missions.cli.run.open_page import open_page
 
     path = find_journal(journal)
     own = running_page(path)
     if own is not None and journal is None:
         print(f"watch: {own['url']}", flush=True)
         return 0
-    page = open_page(place_of(port, host=host, tls_cert=tls_cert, tls_key=tls_key))
+    page = open_page(port, host=host, tls_cert=tls_cert, tls_key=tls_key)
     try:
         show_journal(page, path, own)
     finally:

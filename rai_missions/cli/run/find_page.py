@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which journal `rai-missions watch` means, and whether its run serves a page."""
+"""The file by which the page of a run is found, and which journal `rai-missions watch` means."""
 
 from __future__ import annotations
 
@@ -9,19 +9,39 @@ import os
 import socket
 import stat
 import sys
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
 from rai_missions.errors import MissionError, UsageError, irregular
 
-__all__ = ("find_journal", "running_page")
+__all__ = ("find_journal", "run_file", "running_page")
 
 FOLDER = Path("journals")
 RUN_FILES = ("*.journal.watch", "*/*.journal.watch", "*/*/*.journal.watch")
 """Where a run that is still active is looked for: here, and two folders deep."""
 ANSWERS_S = 1.0
+
+
+@contextmanager
+def run_file(journal: str, what: dict[str, Any]) -> Iterator[None]:
+    """A file next to a run's journal, while it lasts, with the address of its page; no other user may read it."""
+    if not journal:
+        yield
+        return
+    path = Path(f"{journal}.watch")
+    with suppress(FileNotFoundError):
+        path.unlink()
+    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+        json.dump({**what, "pid": os.getpid()}, file)
+    try:
+        yield
+    finally:
+        with suppress(FileNotFoundError):
+            path.unlink()
 
 
 def find_journal(name: str | None) -> Path:

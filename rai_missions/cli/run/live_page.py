@@ -1,22 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The live page of a run or of a journal, and the file by which `rai-missions watch` finds the page of a run."""
+"""The live page of a run, while it lasts."""
 
 from __future__ import annotations
 
-import json
-import os
 import sys
-import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rai_missions.cli.command import PAGE_PORT
-from rai_missions.cli.inputs import warn
-from rai_missions.errors import UsageError, install_command
-from rai_missions.runtime.interrupts import on_signals
+from rai_missions.cli.run.find_page import run_file
+from rai_missions.cli.run.open_page import open_page
+from rai_missions.errors import UsageError
 from rai_missions.runtime.run_options import RunObserver
 
 if TYPE_CHECKING:
@@ -34,10 +30,10 @@ if TYPE_CHECKING:
     from rai_missions.runtime.lifecycle import Status
     from rai_missions.runtime.runner import Result, Runner
     from rai_missions.runtime.view import RunView
-    from visualize.live import LivePage, PageAddress, RunFeed, RunScene
+    from visualize.live import LivePage, RunFeed, RunScene
     from visualize.live.app import ReplyCallback
 
-__all__ = ("RunPage", "normalise_watch_args", "open_page", "page_of", "place_of", "run_file", "show_journal")
+__all__ = ("RunPage", "normalise_watch_args", "page_of")
 
 
 def normalise_watch_args(options: RunOptions) -> RunOptions:
@@ -59,92 +55,17 @@ def normalise_watch_args(options: RunOptions) -> RunOptions:
     return options
 
 
-def place_of(
-    port: str | int, *, host: str | None, tls_cert: str | None, tls_key: str | None, instead: str = ""
-) -> PageAddress:
-    """Where a page is to be served.
-
-    Args:
-        port: Its port; 0 is any that is free.
-        host: Its address; None is this machine's own.
-        tls_cert: The file of its certificate.
-        tls_key: The file of the key.
-        instead: What is possible where no page can be served, as the end of the sentence of the fault.
-
-    Raises:
-        UsageError: There is no server on this machine.
-    """
-    _check_server(instead)
-    from visualize.live import PageAddress
-
-    return PageAddress(host or "127.0.0.1", int(port), tls_cert or "", tls_key or "")
-
-
-def open_page(place: PageAddress) -> LivePage:
-    """An address for the page; nothing is shown there yet.
-
-    Raises:
-        UsageError: It is in use, or unprotected, or there is no server on this machine.
-    """
-    from visualize.live import LivePage
-
-    return LivePage(place)
-
-
 @contextmanager
 def page_of(options: RunOptions, config: RunConfig) -> Iterator[RunPage | None]:
     """Serve a page of a run while it lasts, if the options ask for one."""
     if options.watch is None:
         yield None
         return
-    page = open_page(place_of(options.watch, host=options.host, tls_cert=options.tls_cert, tls_key=options.tls_key))
+    page = open_page(options.watch, host=options.host, tls_cert=options.tls_cert, tls_key=options.tls_key)
     try:
         yield RunPage(page, config, operator=not options.no_operator)
     finally:
         page.stop()
-
-
-def show_journal(page: LivePage, path: Path, own: Mapping[str, Any] | None) -> None:
-    """Follow a journal on a page until an interrupt.
-
-    Args:
-        page: Where it is shown; commands are not taken there.
-        path: The journal, or a recording of one.
-        own: What the run reports of its own page, if it has one.
-    """
-    from rai_missions.recording import journal_of
-    from visualize.live import JournalFeed
-    from visualize.live.journal_feed import PLAYED
-
-    ended = threading.Event()
-    with journal_of(str(path)) as journal:
-        warn(journal.warning)
-        _check_mission(journal.path)
-        feed = JournalFeed(journal.path)
-        about = {"run": feed.header.run, "journal": str(path), "answers": False, "played": feed.header.played}
-        page.start(feed.mission, feed, None, about)
-        print(f"watch: {page.url}", flush=True)
-        if feed.header.played:
-            warn(f"this run was played: {PLAYED}")
-        if own is not None:
-            warn(f"this page only shows the run; the run's own page takes commands: {own['url']}")
-        with on_signals(lambda *_: ended.set()):
-            while not ended.wait(0.5) and page.serves:
-                pass
-
-
-def _check_mission(journal: Path) -> None:
-    """Check that the mission in a journal is one, within the limits that hold for its file as well.
-
-    Raises:
-        DefinitionError: It is not.
-    """
-    from rai_missions.journal.reader import Record
-    from rai_missions.replay.rebuild import mission_of
-
-    with Record(journal) as record:
-        if record.header.mission:
-            mission_of(record)
 
 
 class ShownRun(NamedTuple):
@@ -307,29 +228,3 @@ class RunPage:
     def _follow_status(self, status: Status) -> None:
         if self._shown is not None:
             self._shown.session.follow(status)
-
-
-@contextmanager
-def run_file(journal: str, what: dict[str, Any]) -> Iterator[None]:
-    """A file next to a run's journal, while it lasts, with the address of its page; no other user may read it."""
-    if not journal:
-        yield
-        return
-    path = Path(f"{journal}.watch")
-    with suppress(FileNotFoundError):
-        path.unlink()
-    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-    with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-        json.dump({**what, "pid": os.getpid()}, file)
-    try:
-        yield
-    finally:
-        with suppress(FileNotFoundError):
-            path.unlink()
-
-
-def _check_server(instead: str) -> None:
-    from importlib.util import find_spec
-
-    if find_spec("starlette") is None or find_spec("uvicorn") is None:
-        raise UsageError(f"the live page needs Starlette and uvicorn: {install_command('watch')}{instead}")

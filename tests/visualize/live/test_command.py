@@ -18,8 +18,8 @@ import pytest
 from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.cli.commands.run import run
 from rai_missions.cli.main import main
-from rai_missions.cli.run.find_page import find_journal, running_page
-from rai_missions.cli.run.live_page import RunPage, normalise_watch_args, run_file
+from rai_missions.cli.run.find_page import find_journal, run_file, running_page
+from rai_missions.cli.run.live_page import RunPage, normalise_watch_args
 from rai_missions.cli.run.options import RunOptions
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
