@@ -7,7 +7,7 @@ Rule: a level is worked out from what is published anyway; nothing is remembered
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from rai_missions.agents.health import ERROR, OK, WARN
 from rai_missions.engine.activities.goal_ledger import may_move
@@ -15,27 +15,36 @@ from rai_missions.node.status_message import StatusMessage
 from rai_missions.redaction import cut
 from rai_missions.runtime.readings import SourceState, in_words
 
-__all__ = ("ERROR", "OK", "WARN", "array_of", "level")
-
-NOTHING: Mapping[str, SourceState] = {}
+__all__ = ("ERROR", "OK", "WARN", "Symptoms", "array_of", "level")
 
 
-def level(
-    status: StatusMessage,
-    stale: Sequence[str] = (),
-    strangers: int = 0,
-    sources: Mapping[str, SourceState] = NOTHING,
-    rivals: Sequence[str] = (),
-) -> tuple[int, str]:
-    """The level and the sentence.
+class Symptoms(NamedTuple):
+    """What is wrong around a mission, next to its status."""
 
-    Args:
-        status: What the mission is doing.
-        stale: Keys of the robot that are older than they may be, while the mission runs.
-        strangers: Other nodes that have spoken under the same name.
-        sources: Robot key → what is known of the readings of its source.
-        rivals: Of each other mission that commands the robot, a sentence.
-    """
+    stale: Sequence[str] = ()
+    """Keys of the robot that are older than they may be, while the mission runs."""
+    strangers: int = 0
+    """Other nodes that have spoken under the same name."""
+    sources: Mapping[str, SourceState] = {}
+    """Robot key → what is known of the readings of its source."""
+    rivals: Sequence[str] = ()
+    """Of each other mission that commands the robot, a sentence."""
+
+    def misread(self) -> str:
+        """What is received from sources and not understood."""
+        return ", ".join(f"{key}: {state.misread}" for key, state in self.sources.items() if state.misread)
+
+    def offsets(self) -> str:
+        """The sources whose stamps are off, and by how much."""
+        off = {key: state.offset_s for key, state in self.sources.items()}
+        return ", ".join(f"{key}: {in_words(offset_s)}" for key, offset_s in off.items() if offset_s is not None)
+
+
+HEALTHY = Symptoms()
+
+
+def level(status: StatusMessage, symptoms: Symptoms = HEALTHY) -> tuple[int, str]:
+    """The level and the sentence."""
     if status.fault:
         return ERROR, status.fault
     if status.mode in ("failed", "aborted"):
@@ -43,10 +52,10 @@ def level(
         return ERROR, f"{status.mode}: {status.why}{moving}"
     if status.open_goals:
         return ERROR, may_move(status.open_goals)
-    if strangers:
+    if symptoms.strangers:
         return WARN, f"another node is called {status.node} too; give one of them another name with --node"
-    if rivals:
-        return WARN, rivals[0]
+    if symptoms.rivals:
+        return WARN, symptoms.rivals[0]
     if status.mode in ("paused", "canceling"):
         return WARN, status.mode
     if status.waits:
@@ -54,46 +63,25 @@ def level(
     if status.questions:
         asked = status.questions[0].question
         return WARN, cut(f"question {asked.number} waits for {asked.asked}: {asked.text}", 300)
-    if stale:
-        return WARN, f"not fresh: {', '.join(stale)}"
-    if misread := _misread(sources):
+    if symptoms.stale:
+        return WARN, f"not fresh: {', '.join(symptoms.stale)}"
+    if misread := symptoms.misread():
         return WARN, cut(f"received and not understood: {misread}", 300)
-    if offsets := _offsets(sources):
+    if offsets := symptoms.offsets():
         return WARN, offsets
     return OK, status.mode
 
 
-def _misread(sources: Mapping[str, SourceState]) -> str:
-    return ", ".join(f"{key}: {state.misread}" for key, state in sources.items() if state.misread)
-
-
-def _offsets(sources: Mapping[str, SourceState]) -> str:
-    off = {key: state.offset_s for key, state in sources.items()}
-    return ", ".join(f"{key}: {in_words(offset_s)}" for key, offset_s in off.items() if offset_s is not None)
-
-
-def array_of(
-    status: StatusMessage,
-    *,
-    at: float,
-    stale: Sequence[str] = (),
-    strangers: int = 0,
-    sources: Mapping[str, SourceState] = NOTHING,
-    rivals: Sequence[str] = (),
-    robot: str = "",
-) -> dict[str, Any]:
+def array_of(status: StatusMessage, symptoms: Symptoms = HEALTHY, *, at: float, robot: str = "") -> dict[str, Any]:
     """The fields of a `diagnostic_msgs/msg/DiagnosticArray`.
 
     Args:
         status: What the mission is doing.
+        symptoms: What is wrong around it.
         at: Wall time, in seconds since 1970.
-        stale: As for `level`.
-        strangers: As for `level`.
-        sources: As for `level`.
-        rivals: As for `level`.
         robot: The robot's name.
     """
-    found, message = level(status, stale, strangers, sources, rivals)
+    found, message = level(status, symptoms)
     values = {
         "mission": f"{status.mission} {status.version}".strip(),
         "run": status.run,
@@ -102,11 +90,11 @@ def array_of(
         "control": status.control,
         "active": ", ".join(status.active),
         "revision": str(status.revision),
-        "stale": ", ".join(stale),
-        "clock offsets": _offsets(sources),
-        "not understood": cut(_misread(sources), 1000),
+        "stale": ", ".join(symptoms.stale),
+        "clock offsets": symptoms.offsets(),
+        "not understood": cut(symptoms.misread(), 1000),
         "instance": status.instance,
-        "rivals": cut("; ".join(rivals), 1000),
+        "rivals": cut("; ".join(symptoms.rivals), 1000),
         "open_goals": may_move(status.open_goals),
     }
     diagnostic = {

@@ -19,7 +19,7 @@ from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError
 from rai_missions.mission.json_reader import parse_json
 from rai_missions.node.command import CommandReply
-from rai_missions.node.diagnostics import array_of
+from rai_missions.node.diagnostics import Symptoms, array_of
 from rai_missions.node.lifecycle_table import NodeTransition
 from rai_missions.node.managed_lifecycle import EVENT_TYPE, event_fields
 from rai_missions.node.names import NodeName
@@ -190,15 +190,8 @@ class StatusPublisher:
             status = self._last
         session, robot = self._host.session, self._host.robot
         stale, sources = (session.stale(), session.sources()) if session is not None else ((), {})
-        fields = array_of(
-            status,
-            at=time.time(),
-            stale=stale,
-            strangers=len(self._strangers),
-            sources=sources,
-            rivals=self._rivals(session),
-            robot=robot.name if robot is not None else "",
-        )
+        symptoms = Symptoms(stale, len(self._strangers), sources, self._rivals(session))
+        fields = array_of(status, symptoms, at=time.time(), robot=robot.name if robot is not None else "")
         self._carrier.connector.publish("/diagnostics", DIAGNOSTICS, carried(fields))
 
     def _rivals(self, session: RunSession | None) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ import pytest
 
 from rai_missions.engine.activities.goal_ledger import OpenGoal
 from rai_missions.engine.decision import Question
-from rai_missions.node.diagnostics import ERROR, OK, WARN, array_of, level
+from rai_missions.node.diagnostics import ERROR, OK, WARN, Symptoms, array_of, level
 from rai_missions.node.status_message import OpenQuestion, StatusMessage, text_of
 from rai_missions.plain_data import carried, text_fault
 from rai_missions.runtime.readings import SourceState
@@ -52,8 +52,8 @@ def test_the_level_reports_how_bad_it_is(
     changed: dict[str, Any], around: dict[str, Any], expected: tuple[int, str]
 ) -> None:
     status = RUNNING._replace(**changed)
-    assert level(status, **around) == expected
-    (status,) = array_of(status, at=1.0, **around)["status"]
+    assert level(status, Symptoms(**around)) == expected
+    (status,) = array_of(status, Symptoms(**around), at=1.0)["status"]
     assert (status["level"], status["message"]) == expected and status["name"] == "/errand: mission"
 
 
@@ -79,13 +79,16 @@ def test_a_bulletin_reports_its_question_with_the_time_left() -> None:
 
 def test_sources_that_are_off_or_not_understood_are_named_with_their_values() -> None:
     off = {"pose": SourceState(5, -2.0), "battery": SourceState(5, 1.25), "there": SourceState(5, None)}
-    assert level(RUNNING, sources=off) == (
+    assert level(RUNNING, Symptoms(sources=off)) == (
         WARN,
         "pose: its stamps are 2.0 s ahead, battery: its stamps are 1.2 s behind",
     )
     misread = {"pose": SourceState(5, misread="pose.position.x is nan")}
-    assert level(RUNNING, sources=misread) == (WARN, "received and not understood: pose: pose.position.x is nan")
-    (status,) = array_of(RUNNING, at=1.0, sources=off | misread, robot="tractor1")["status"]
+    assert level(RUNNING, Symptoms(sources=misread)) == (
+        WARN,
+        "received and not understood: pose: pose.position.x is nan",
+    )
+    (status,) = array_of(RUNNING, Symptoms(sources=off | misread), at=1.0, robot="tractor1")["status"]
     values = {each["key"]: each["value"] for each in status["values"]}
     assert values["clock offsets"] == "battery: its stamps are 1.2 s behind"
     assert values["not understood"] == "pose: pose.position.x is nan" and values["instance"] == "ab"
