@@ -61,73 +61,66 @@ class Toolbox:
 
 
 def _that_look(box: Toolbox) -> tuple[RobotTool, ...]:
+    """Each has the name of its function."""
     look, measure, drive = box.looking, box.measuring, box.navigating
     rows = (
-        ("list_topics", "The robot's topics with their types.", args.List, look.list_topics),
-        ("list_services", "The robot's services with their types.", args.List, look.list_services),
-        ("list_actions", "The robot's actions with their types.", args.List, look.list_actions),
-        ("describe_type", "The fields of a message, service or action type.", args.DescribeType, look.describe_type),
+        ("The robot's topics with their types.", args.List, look.list_topics),
+        ("The robot's services with their types.", args.List, look.list_services),
+        ("The robot's actions with their types.", args.List, look.list_actions),
+        ("The fields of a message, service or action type.", args.DescribeType, look.describe_type),
         (
-            "receive_message",
             "The newest message of a topic, with its age in seconds. States it if none comes in time.",
             args.ReceiveMessage,
             look.receive_message,
         ),
-        ("get_image", "The newest picture of a camera, with its age in seconds.", args.GetImage, look.get_image),
+        ("The newest picture of a camera, with its age in seconds.", args.GetImage, look.get_image),
         (
-            "get_transform",
             "Where one coordinate frame lies in another: translation in metres, rotation as a quaternion, yaw.",
             args.GetTransform,
             measure.get_transform,
         ),
         (
-            "get_distance_to_objects",
             "How far from the camera, in metres, the objects are that a detector sees.",
             args.GetDistanceToObjects,
             measure.get_distance_to_objects,
         ),
-        ("get_robot_pose", "Where the robot is: x, y and yaw in a frame.", args.GetRobotPose, drive.get_robot_pose),
+        ("Where the robot is: x, y and yaw in a frame.", args.GetRobotPose, drive.get_robot_pose),
         (
-            "get_occupancy_grid",
             "The robot's map, or its part around a point, in at most 40 rows of characters: free, occupied, unknown.",
             args.GetOccupancyGrid,
             drive.get_occupancy_grid,
         ),
-        ("list_goals", "The goals that were started here, with their states.", args.ListGoals, box.acting.list_goals),
+        ("The goals that were started here, with their states.", args.ListGoals, box.acting.list_goals),
         (
-            "watch_action",
             "How a goal is that start_action or navigate_to_pose started: running, succeeded, aborted, canceled, "
             "rejected or lost, with its feedback and result. Waits for its end as long as it may.",
             args.WatchAction,
             box.acting.watch_action,
         ),
     )
-    return tuple(robot_tool(name, about, takes, act, read_only=True) for name, about, takes, act in rows)
+    return tuple(robot_tool(act.__name__, about, takes, act, read_only=True) for about, takes, act in rows)
 
 
 def _that_act(box: Toolbox) -> tuple[RobotTool, ...]:
     rows = (
-        ("publish_message", "Publish one message on a topic.", args.PublishMessage, box.acting.publish_message),
-        ("call_service", "Call a service and wait for its reply.", args.CallService, box.acting.call_service),
+        ("Publish one message on a topic.", args.PublishMessage, box.acting.publish_message),
+        ("Call a service and wait for its reply.", args.CallService, box.acting.call_service),
         (
-            "start_action",
             "Start an action. Reports whether its server took the goal, and the goal's id for watch_action and "
             "cancel_action; it does not wait for the end, and an accepted goal has not succeeded.",
             args.StartAction,
             box.acting.start_action,
         ),
         (
-            "navigate_to_pose",
             "Send the robot to a pose, with Nav2. Reports whether it took the goal, and the goal's id, as start_action "
             "does.",
             args.NavigateToPose,
             box.navigating.navigate_to_pose,
         ),
         (
-            "cancel_action",
             "Ask for the end of a goal, and state how it ended or that it has not.",
             args.CancelAction,
             box.acting.cancel_action,
         ),
     )
-    return tuple(robot_tool(name, about, takes, act, read_only=False) for name, about, takes, act in rows)
+    return tuple(robot_tool(act.__name__, about, takes, act, read_only=False) for about, takes, act in rows)
