@@ -20,10 +20,12 @@ if TYPE_CHECKING:
     from rai_missions.guards import Elapsed, GoalIs, Guard, Held, In, Named
     from rai_missions.image import Image
     from rai_missions.keys import Key
-    from rai_missions.mission.builder import After, Keys, On, Ref, When
+    from rai_missions.mission.builder import After, Keys, On, When
     from rai_missions.mission.files import dump, load
     from rai_missions.mission.mission import EventSpec, Mission
-    from rai_missions.runtime.runner import Result, Runner
+    from rai_missions.mission.references import Ref
+    from rai_missions.runtime.result import Result
+    from rai_missions.runtime.runner import Runner
     from rai_missions.states.effects import Call as CallEffect
     from rai_missions.states.effects import Drop, Log, Publish, Raise, Say, Set
 
@@ -74,7 +76,8 @@ if not TYPE_CHECKING:  # else a type checker would take any name for one of ours
         {
             "connectors.python_robot": ("PythonRobot",),
             "keys": ("Key",),
-            "mission.builder": ("After", "Keys", "On", "Ref", "When"),
+            "mission.builder": ("After", "Keys", "On", "When"),
+            "mission.references": ("Ref",),
             "engine": ("Chart",),
             "states.effects": ("Call as CallEffect", "Drop", "Log", "Publish", "Raise", "Say", "Set"),
             "errors": ("ConnectorError", "DefinitionError", "Fault", "MissionError", "UsageError"),
@@ -83,7 +86,8 @@ if not TYPE_CHECKING:  # else a type checker would take any name for one of ours
             "guards": ("Elapsed", "GoalIs", "Guard", "Held", "In", "Named"),
             "mission.files": ("dump", "load"),
             "mission.mission": ("EventSpec", "Mission"),
-            "runtime.runner": ("Result", "Runner"),
+            "runtime.result": ("Result",),
+            "runtime.runner": ("Runner",),
             "engine.step": ("Step",),
         },
     )

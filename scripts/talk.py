@@ -27,7 +27,7 @@ from rai_missions.agents.talk.settings import settings_of
 from rai_missions.answerers.test_models import DoubleModel
 from rai_missions.engine.step import Step
 from rai_missions.runtime.lifecycle import Status
-from rai_missions.runtime.runner import Result
+from rai_missions.runtime.result import Result
 
 ROOT = Path(__file__).resolve().parents[1]
 REPORTED_S = 60.0

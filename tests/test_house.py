@@ -70,6 +70,38 @@ def test_every_files_public_names_are_a_tuple_of_what_it_has(folder: str) -> Non
     assert faults == []
 
 
+DIALOGUE = "what a dialogue takes and gives is named in one place"
+PASSED_ON = {
+    "rai_missions/agents/mission.py": "a program that runs missions imports from here",
+    "rai_missions/engine/activities/factory.py": "its import registers the machines",
+    "rai_missions/conversation/inputs.py": DIALOGUE,
+    "rai_missions/conversation/language.py": DIALOGUE,
+    "rai_missions/conversation/outputs.py": DIALOGUE,
+    "rai_missions/conversation/settings.py": DIALOGUE,
+    "rai_missions/prove/explorer.py": "what it explores is a graph of these",
+}
+"""A module that offers names of others → why."""
+
+
+def passed_on(text: str) -> set[str]:
+    """The public names of a module that it imports from another of ours."""
+    imported = {
+        alias.asname or alias.name
+        for node in parsed(text).body
+        if isinstance(node, ast.ImportFrom) and (node.module or "").partition(".")[0] in OURS
+        for alias in node.names
+    }
+    return imported & {ast.literal_eval(each) for each in offers(text)[0].elts}  # type: ignore[union-attr]
+
+
+def test_a_name_is_imported_from_where_it_is_made() -> None:
+    """A package offers names of its modules; what else passes names on gives them a second home."""
+    found = {
+        name for folder in OURS for name, text in files(folder) if not name.endswith("__init__.py") and passed_on(text)
+    }
+    assert found == PASSED_ON.keys()
+
+
 @pytest.mark.parametrize("folder", FOLDERS)
 def test_nothing_is_left_to_do(folder: str) -> None:
     assert [

@@ -12,7 +12,7 @@ from rai_missions.engine.step import Step
 from rai_missions.event import Event
 from rai_missions.mission.json_reader import parse_json
 from rai_missions.profile import Robot
-from rai_missions.runtime.runner import Result
+from rai_missions.runtime.result import Result
 
 __all__ = ("Moments", "Trip", "profile_of", "taken_options", "trips")
 

@@ -21,7 +21,6 @@ __all__ = (
     "cluster_table",
     "decision_table",
     "edge_table",
-    "look_of",
     "state_table",
     "tab_table",
     "title_table",

@@ -19,8 +19,8 @@ from rai_missions.errors import UsageError, suggestion
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
 from rai_missions.redaction import logger
+from rai_missions.runtime.result import Result
 from rai_missions.runtime.run_options import RunObserver
-from rai_missions.runtime.runner import Result
 
 if TYPE_CHECKING:
     from rai_missions.agents.conversation import ConversationalAgent

@@ -16,7 +16,8 @@ from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.check.reachability import entered_with
 from rai_missions.check.scc import knots
 from rai_missions.guards import Guard
-from rai_missions.guards.implication import Form, Junction, form, implies, never
+from rai_missions.guards.form import Form, Junction
+from rai_missions.guards.implication import form, implies, never
 from rai_missions.states import Final, Parallel
 from rai_missions.states.effects import Effect, Set
 

@@ -11,7 +11,8 @@ from typing import NamedTuple
 from rai_missions.check.finding import Found
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.check.outcomes import together
-from rai_missions.guards.implication import ALWAYS, NEVER, Form, Junction, form, implies, never, roots
+from rai_missions.guards.form import ALWAYS, NEVER, Form, Junction
+from rai_missions.guards.implication import form, implies, never, roots
 from rai_missions.states.transition import ANY_EVENT
 
 __all__ = ("impossible_guards", "overlapping_transitions", "unwatched_holds")

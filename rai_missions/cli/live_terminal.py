@@ -22,7 +22,7 @@ from rai_missions.engine.decision import Answerer, Question
 from rai_missions.engine.step import Ask, Step
 from rai_missions.mission.mission import Mission
 from rai_missions.runtime.lifecycle import Status
-from rai_missions.runtime.runner import Result
+from rai_missions.runtime.result import Result
 
 __all__ = ("Screen",)
 

@@ -19,7 +19,7 @@ from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
 from rai_missions.plain_data import listed, printable
 from rai_missions.runtime.lifecycle import Status
-from rai_missions.runtime.runner import Result
+from rai_missions.runtime.result import Result
 from rai_missions.runtime.view import RunView
 from rai_missions.states import answerer_words
 from rai_missions.states.final import FinalOutcome

@@ -4,7 +4,9 @@
 Imports `guards`, `mission`, `planning` and `states`, and the modules of the root.
 """
 
-from rai_missions.engine.chart import NOT_STARTED, Chart, Snapshot
+from rai_missions.engine.chart import Chart
+from rai_missions.engine.events import NOT_STARTED
 from rai_missions.engine.program import Named
+from rai_missions.engine.snapshot import Snapshot
 
 __all__ = ("NOT_STARTED", "Chart", "Named", "Snapshot")

@@ -23,7 +23,7 @@ from rai_missions.plain_data import is_number
 from rai_missions.redaction import clipped
 from rai_missions.states.effects import Call, Drop, Effect, Log, Publish, Raise, Say, Set, filled
 
-__all__ = ("Act", "act_of")
+__all__ = ("act_of",)
 
 LARGEST = 2**53
 """A whole number up to this can be added without a look at the sum: no run adds it so often that a sum is none."""

@@ -16,7 +16,6 @@ from rai_missions.engine import short_way, snapshot
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.chart_view import ChartView
 from rai_missions.engine.configuration import Configuration
-from rai_missions.engine.events import NOT_STARTED
 from rai_missions.engine.handover import settle_holds
 from rai_missions.engine.nodes import Written
 from rai_missions.engine.program import Named, Program
@@ -35,7 +34,7 @@ from rai_missions.guards.view import View
 from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission, given_mission
 
-__all__ = ("NOT_STARTED", "Chart", "Named", "Snapshot")
+__all__ = ("Chart",)
 
 _new = tuple.__new__
 NO_WRITES: Written | None = ()

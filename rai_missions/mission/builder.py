@@ -13,12 +13,17 @@ from typing import Any, ParamSpec
 from rai_missions.errors import DefinitionError, Fault, escaped, suggestion
 from rai_missions.guards.guard import GuardOrKey
 from rai_missions.keys import Key
-from rai_missions.mission.references import Ref, answer, event
+from rai_missions.mission.references import Ref
 from rai_missions.redaction import shown
 from rai_missions.states.effects import Effect
 from rai_missions.states.transition import Transition
 
-__all__ = ("After", "Keys", "On", "Ref", "When", "answer", "event")
+__all__ = (
+    "After",
+    "Keys",
+    "On",
+    "When",
+)
 
 P = ParamSpec("P")
 

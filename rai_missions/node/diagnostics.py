@@ -15,7 +15,7 @@ from rai_missions.node.status_message import StatusMessage
 from rai_missions.redaction import cut
 from rai_missions.runtime.readings import SourceState, in_words
 
-__all__ = ("ERROR", "OK", "WARN", "Symptoms", "array_of", "level")
+__all__ = ("Symptoms", "array_of", "level")
 
 
 class Symptoms(NamedTuple):

@@ -24,7 +24,8 @@ from rai_missions.redaction import Redaction, cut, logger
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.readings import SourceState
 from rai_missions.runtime.requests import OVER, RunRequests, refusal_text
-from rai_missions.runtime.runner import Result, Runner
+from rai_missions.runtime.result import Result
+from rai_missions.runtime.runner import Runner
 from rai_missions.states.control import HOLDERS
 
 __all__ = ("RunSession",)

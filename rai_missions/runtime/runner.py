@@ -43,7 +43,7 @@ from rai_missions.runtime.run_options import HarmlessObserver, NewRun, RunObserv
 from rai_missions.runtime.scheduler import Scheduler
 from rai_missions.runtime.view import RunView
 
-__all__ = ("Result", "Runner")
+__all__ = ("Runner",)
 
 log = logger(__name__)
 

@@ -19,7 +19,7 @@ from rai_missions.journal import read
 from rai_missions.mission.json_reader import parse_json
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
-from rai_missions.runtime.runner import Result
+from rai_missions.runtime.result import Result
 from tests.browser.conftest import PATIENCE, Look, until
 from tests.browser.test_review import poisoned
 from tests.engine.test_goals import mission as stacking

@@ -11,7 +11,8 @@ from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.check.outcomes import FAILURES, handled, together
 from rai_missions.check.reachability import Reach, _waiting
 from rai_missions.check.reported_outcomes import reported
-from rai_missions.guards.implication import ALWAYS, form, implies, never
+from rai_missions.guards.form import ALWAYS
+from rai_missions.guards.implication import form, implies, never
 from rai_missions.states import Final, History, Parallel
 from rai_missions.states.transition import ANY_EVENT
 

@@ -30,8 +30,9 @@ from rai_missions.mission.mission import Mission
 from rai_missions.profile import dump_profile
 from rai_missions.replay.replay import replay
 from rai_missions.runtime.clock import SimulatedClock
+from rai_missions.runtime.result import Result
 from rai_missions.runtime.run_options import RunObserver
-from rai_missions.runtime.runner import Result, Runner
+from rai_missions.runtime.runner import Runner
 from tests.drills.hostility import CANARIES, COMMANDS, MOST_CALLS, OWN, HostileModel, plant
 from tests.drills.surroundings import quick_folder
 from tests.drills.yard import DEADLINE_S, SLACK_S, Yard, yard_mission, yard_robot

@@ -14,7 +14,7 @@ from rai_missions.errors import UsageError
 from rai_missions.gate import GateAgent, gate_words
 from rai_missions.profile import Robot, parse_profile
 from rai_missions.runtime.clock import SimulatedClock
-from rai_missions.runtime.runner import Result
+from rai_missions.runtime.result import Result
 from tests.rigs.runs import Rig, ScriptedWorld, robot
 
 CONTROL = {who: f"/gate/{{by}}/hand_to_{who}" for who in ("autonomy", "agent", "operator", "nobody")}

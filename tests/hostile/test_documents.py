@@ -21,7 +21,7 @@ from rai_missions.answerers.model.agent import DecisionAgent
 from rai_missions.answerers.test_models import DoubleModel
 from rai_missions.embodiment import Identity, Library
 from rai_missions.embodiment.urdf import read_body
-from rai_missions.runtime.runner import Result
+from rai_missions.runtime.result import Result
 from rai_missions.testing import call
 from rai_missions.tools import recall_tool
 from tests.embodiment.test_library import Elsewhere

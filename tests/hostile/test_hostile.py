@@ -22,7 +22,7 @@ from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import dump_profile
 from rai_missions.replay.replay import replay
-from rai_missions.runtime.runner import Result
+from rai_missions.runtime.result import Result
 from rai_missions.testing import (
     BabblingModel,
     ChatteringAnswerer,

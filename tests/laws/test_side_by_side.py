@@ -27,8 +27,9 @@ from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, dump_profile
 from rai_missions.replay.resume import Resumption, resumption
 from rai_missions.runtime.clock import Clock
+from rai_missions.runtime.result import Result
 from rai_missions.runtime.run_options import NewRun, RunObserver
-from rai_missions.runtime.runner import Result, Runner
+from rai_missions.runtime.runner import Runner
 from tests.laws.drawn import EVENTS, KEYS, document, is_far
 from tests.laws.test_cut_short import plain
 from tests.laws.test_cut_short import profile as profile_of

@@ -8,9 +8,10 @@ from typing import Any
 
 import pytest
 
+from rai_missions.agents.health import ERROR, OK, WARN
 from rai_missions.engine.activities.goal_ledger import OpenGoal
 from rai_missions.engine.decision import Question
-from rai_missions.node.diagnostics import ERROR, OK, WARN, Symptoms, array_of, level
+from rai_missions.node.diagnostics import Symptoms, array_of, level
 from rai_missions.node.status_message import OpenQuestion, StatusMessage, text_of
 from rai_missions.plain_data import carried, text_fault
 from rai_missions.runtime.readings import SourceState

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from rai_missions.agents.health import OK, WARN
 from rai_missions.agents.mission import MissionAgent, RunConfig, prepare
 from rai_missions.agents.other_missions import FORGET_S, MOST, RUNS_TOPIC, OtherMissions, RunClaim
 from rai_missions.agents.run_claims import claiming, full_name
@@ -20,7 +21,6 @@ from rai_missions.connectors.contract import Inbox
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import ConnectorError
 from rai_missions.node import MissionNode
-from rai_missions.node.diagnostics import OK, WARN
 from rai_missions.node.transport import Carrier
 from tests.node.scenes import PATIENCE_S, Client, FakeRobot, mission, robot
 

@@ -22,8 +22,9 @@ from rai_missions.profile import Robot, dump_profile
 from rai_missions.replay.open_run import OpenedRun, open_run
 from rai_missions.runtime.clock import Clock, ContinuedClock, SimulatedClock
 from rai_missions.runtime.mailbox import Mailbox
+from rai_missions.runtime.result import Result
 from rai_missions.runtime.run_options import NewRun, RunObserver
-from rai_missions.runtime.runner import Result, Runner
+from rai_missions.runtime.runner import Runner
 
 __all__ = ("ONLOOKER", "Coroner", "Dead", "Fate", "Land", "Wish", "live")
 

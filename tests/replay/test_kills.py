@@ -17,7 +17,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
 from rai_missions.replay.open_run import open_run
 from rai_missions.replay.replay import replay
-from rai_missions.runtime.runner import Result
+from rai_missions.runtime.result import Result
 from tests.replay.mortal import Fate, Land, live
 from tests.rigs.runs import ReplyingAnswerer
 

@@ -22,8 +22,9 @@ from rai_missions.profile import Robot
 from rai_missions.replay.resume import Resumption
 from rai_missions.runtime.clock import Clock, SimulatedClock
 from rai_missions.runtime.mailbox import Mailbox
+from rai_missions.runtime.result import Result
 from rai_missions.runtime.run_options import NewRun, RunObserver
-from rai_missions.runtime.runner import Result, Runner
+from rai_missions.runtime.runner import Runner
 from tests.rigs.journals import MemoryJournal
 
 __all__ = (

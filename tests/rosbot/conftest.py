@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from rai_missions.runtime.runner import Result
+from rai_missions.runtime.result import Result
 from tests.trips import Moments, Trip, profile_of, trips
 
 ROSBOT = Path(__file__).parents[2] / "missions" / "rosbot"

@@ -20,7 +20,7 @@ from rai_missions.event import Event
 from rai_missions.journal import Header, Journal
 from rai_missions.runtime.clock import WallClock
 from rai_missions.runtime.lifecycle import Lifecycle, Status
-from rai_missions.runtime.runner import Result
+from rai_missions.runtime.result import Result
 from rai_missions.testing import LateAnswerer
 from tests.rigs.runs import Rig, asking, mission
 

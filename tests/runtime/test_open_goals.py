@@ -23,7 +23,7 @@ from rai_missions.connectors.connector import Reply
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine import Chart
 from rai_missions.runtime.lifecycle import Status
-from rai_missions.runtime.runner import Result
+from rai_missions.runtime.result import Result
 from tests.rigs.runs import Plan, PlannedServer, Rig, ScriptedWorld, mission
 
 LASTS_S = 40

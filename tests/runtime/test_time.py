@@ -22,7 +22,8 @@ from rai_missions.profile import dump_profile
 from rai_missions.replay.replay import replay
 from rai_missions.runtime.clock import SimulatedClock, WallClock
 from rai_missions.runtime.mailbox import Mailbox
-from rai_missions.runtime.runner import Result, Runner
+from rai_missions.runtime.result import Result
+from rai_missions.runtime.runner import Runner
 from tests.rigs.journals import steps_of
 from tests.rigs.runs import ManualServer, ReplyingAnswerer, Rig, ScriptedWorld, asking, mission, robot
 

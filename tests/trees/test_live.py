@@ -10,7 +10,8 @@ import pytest
 
 from rai_missions.mission.mission import Mission
 from rai_missions.runtime.clock import SimulatedClock
-from rai_missions.runtime.runner import Result, Runner
+from rai_missions.runtime.result import Result
+from rai_missions.runtime.runner import Runner
 from rai_missions.states import Final, Transition, Tree
 from rai_missions.states.tree import Behaviour, Sequence, Wait
 

@@ -6,10 +6,11 @@ Rule: the engine waits for no one. It leaves its steps in a queue; what a viewer
 Imports `engine`, `journal`, `mission` and `states`, and the modules of the root.
 """
 
+from visualize.live.app import CommandSink
 from visualize.live.feed import Feed, FollowedRun, RunFeed
 from visualize.live.journal_feed import JournalFeed
 from visualize.live.scene import RunScene
-from visualize.live.server import CommandSink, LivePage, PageAddress
+from visualize.live.server import LivePage, PageAddress
 from visualize.live.talk import TalkDesk
 
 __all__ = (

@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from rai_missions.node.run_session import RunSession
     from rai_missions.node.web_operator import WebCommands
     from rai_missions.runtime.lifecycle import Status
-    from rai_missions.runtime.runner import Result, Runner
+    from rai_missions.runtime.result import Result
+    from rai_missions.runtime.runner import Runner
     from rai_missions.runtime.view import RunView
     from visualize.live import LivePage, RunFeed, RunScene
     from visualize.live.app import ReplyCallback

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
     from rai_missions.cli.run.options import RunOptions
     from rai_missions.engine import Named
     from rai_missions.engine.decision import Answerer
-    from rai_missions.runtime.runner import Result
+    from rai_missions.runtime.result import Result
 
 __all__ = ("run_mission",)
 

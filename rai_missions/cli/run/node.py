@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from rai_missions.agents.mission import PreparedRun, RunConfig
     from rai_missions.cli.run.options import RunOptions
     from rai_missions.node.run_session import RunSession
-    from rai_missions.runtime.runner import Result, Runner
+    from rai_missions.runtime.result import Result
+    from rai_missions.runtime.runner import Runner
 
 __all__ = ("NodeRun", "claiming_without_node", "reject_single_run_options", "serve_managed", "serve_node")
 

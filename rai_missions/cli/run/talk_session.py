@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from rai_missions.event import Role
     from rai_missions.profile import ConversationPolicy
     from rai_missions.runtime.lifecycle import Status
-    from rai_missions.runtime.runner import Result
+    from rai_missions.runtime.result import Result
 
 __all__ = ("TalkSession",)
 

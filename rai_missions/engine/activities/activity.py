@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from rai_missions.keys import Key
 
 __all__ = (
-    "GOALS", "NO_KEYS", "ActivityHost", "Bench", "Machine", "Outcome", "Turn", "concerns", "listens", "machine_of",
+    "GOALS", "NO_KEYS", "ActivityHost", "Bench", "Machine", "Outcome", "Turn", "listens", "machine_of",
     "remembered", "remembered_kinds",
 )  # fmt: skip
 

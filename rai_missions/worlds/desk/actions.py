@@ -13,7 +13,8 @@ from typing import Any
 
 from rai_missions.connectors.connector import Data, Report
 from rai_missions.worlds.desk.kinematics import ToolPose
-from rai_missions.worlds.desk.motion import Motion, Skill, SkillEnd, ThingPose
+from rai_missions.worlds.desk.motion import Motion, SkillEnd, ThingPose
+from rai_missions.worlds.desk.skill_log import Skill
 from rai_missions.worlds.goal_server import GoalServer, Later, RunningGoal
 
 __all__ = ("MOVE", "PICK", "PLACE", "ArmServer", "MoveArm", "PickAt", "PlaceAt")

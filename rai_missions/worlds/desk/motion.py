@@ -25,7 +25,7 @@ from rai_missions.worlds.desk.skill_log import LoggedDrive, ReplayedDrive, Skill
 from rai_missions.worlds.desk.trajectory import CONTROL_S, Trajectory
 from rai_missions.worlds.desk.ways import LIFT_M, WayPlanner, WayStart, leaning, transit_height
 
-__all__ = ("Motion", "Skill", "SkillEnd", "ThingPose")
+__all__ = ("Motion", "SkillEnd", "ThingPose")
 
 FINGER_MPS = 0.2
 """How fast the fingers' distance changes."""

@@ -23,7 +23,7 @@ from rai_missions.engine.step import Step
 from rai_missions.event import Role
 from rai_missions.mission.mission import Mission
 from rai_missions.runtime.lifecycle import Status
-from rai_missions.runtime.runner import Result
+from rai_missions.runtime.result import Result
 from tests.rigs.journals import MemoryJournal
 from tests.rigs.runs import Rig
 

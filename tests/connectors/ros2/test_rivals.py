@@ -23,7 +23,8 @@ from rai_missions.connectors.contract import Inbox
 from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
-from rai_missions.runtime.runner import Result, Runner
+from rai_missions.runtime.result import Result
+from rai_missions.runtime.runner import Runner
 from tests.connectors.ros2.peer_process import FIBONACCI, Peer
 from tests.connectors.ros2.scripted_server import PROGRAM, Script
 from tests.rigs.runs import Plan, PlannedServer

@@ -14,7 +14,8 @@ from rai_missions.gate import GateAgent, gate_words
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
 from rai_missions.runtime.clock import WallClock
-from rai_missions.runtime.runner import Result, Runner
+from rai_missions.runtime.result import Result
+from rai_missions.runtime.runner import Runner
 
 Open = Callable[..., Any]
 BOOL, TRIGGER, TWIST = "std_msgs/msg/Bool", "std_srvs/srv/Trigger", "geometry_msgs/msg/Twist"

@@ -25,7 +25,7 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
 from rai_missions.event import Event
 from rai_missions.journal import read
-from rai_missions.runtime.runner import Result
+from rai_missions.runtime.result import Result
 from tests.node.scenes import FakeRobot, mission, robot
 from tests.visualize.live.stage import Viewer, ask, until
 from visualize.live import LivePage, PageAddress

@@ -25,11 +25,12 @@ from rai_missions.worlds.desk.footprints import SeenThing
 from rai_missions.worlds.desk.grasps import Grasp
 from rai_missions.worlds.desk.kinematics import ToolPose
 from rai_missions.worlds.desk.manipulator import MOVE_TO
-from rai_missions.worlds.desk.motion import Skill, SkillEnd, ThingPose
+from rai_missions.worlds.desk.motion import SkillEnd, ThingPose
 from rai_missions.worlds.desk.panda.model import HOME, fragment
 from rai_missions.worlds.desk.pushes import Push, pushes
 from rai_missions.worlds.desk.scene import build, settle
 from rai_missions.worlds.desk.scene_file import desk_objects
+from rai_missions.worlds.desk.skill_log import Skill
 from rai_missions.worlds.desk.truth import DeskTruth, truth_of
 from rai_missions.worlds.publish_queue import LockedServer, Outbox
 
