@@ -44,6 +44,8 @@ GLOBALS = {
     ("rai_missions/connectors/ros2/fastdds.py", "os.environ"): f"{READS}; it is put back at once",
     ("rai_missions/connectors/process/idle_threads.py", "os.environ"): READS,
     ("rai_missions/worlds/libraries.py", "os.environ"): READS,
+    ("rai_missions/cli/main.py", "atexit.register"): f"{PROCESS}; a caller of `main` with words keeps its own",
+    ("rai_missions/cli/main.py", "os.environ"): f"{PROCESS}; pydantic's plug-ins have no other switch",
     ("rai_missions/cli/streams.py", "sys"): "a command needs streams that are there; they are put back at its end",
     ("rai_missions/connectors/process/guard.py", "os.nice"): PROCESS,
     ("rai_missions/connectors/process/guard.py", "signal.signal"): PROCESS,

@@ -151,10 +151,12 @@ class Command:
     Args:
         function: Takes the arguments as parameters, or one `NamedTuple` of them; returns the exit status.
         draws: It draws on the terminal or prints a file as it is, and so prints control characters too.
+        only_reads: It reads files and prints what it finds: no robot and no model has anything to end after it.
     """
 
-    def __init__(self, function: Callable[..., int], *, draws: bool = False) -> None:
-        self.name, self.draws, self._function = function.__name__.rstrip("_"), draws, function
+    def __init__(self, function: Callable[..., int], *, draws: bool = False, only_reads: bool = False) -> None:
+        self.name, self._function = function.__name__.rstrip("_"), function
+        self.draws, self.only_reads = draws, only_reads
         self._sections = _sections(function)
         self.summary, _, self._details = self._sections[""].strip().partition("\n\n")
 
@@ -259,9 +261,9 @@ def _named(kind: Any) -> Callable[[str], Any]:
     return read
 
 
-def command(*, draws: bool = False) -> Callable[[Callable[..., int]], Command]:
+def command(*, draws: bool = False, only_reads: bool = False) -> Callable[[Callable[..., int]], Command]:
     """Make a function a command."""
-    return lambda function: Command(function, draws=draws)
+    return lambda function: Command(function, draws=draws, only_reads=only_reads)
 
 
 def _sections(source: Any) -> dict[str, str]:

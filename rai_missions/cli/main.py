@@ -8,11 +8,14 @@ counts as one: what would be printed next has no reader.
 
 from __future__ import annotations
 
+import atexit
+import gc
+import os
 import shlex
 import signal
 import sys
-from collections.abc import Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, nullcontext, suppress
 
 from rai_missions.cli.command import Command
 from rai_missions.cli.commands import load_command, names, root_parser
@@ -30,7 +33,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         try:
             with on_signals(raised):
                 if words and words[0] in names():
-                    status = _run(load_command(words[0]), words[1:], raised)
+                    command = load_command(words[0])
+                    with _last_work() if arguments is None and command.only_reads else nullcontext():
+                        status = _run(command, words[1:], raised)
                 else:
                     status = _without_command(words)
         except KeyboardInterrupt as interrupt:  # also while a command is still being imported
@@ -48,6 +53,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def run() -> int:
     """Run a mission: the command `run`, as an executable of that name."""
     return main(["run", *sys.argv[1:]])
+
+
+@contextmanager
+def _last_work() -> Iterator[None]:
+    """Search rarely for garbage meanwhile, and not as the process ends: the system takes all memory back at once.
+
+    Pydantic does without the plug-ins of other packages, for which it looks through all that is installed.
+    """
+    from rai_missions.mission.garbage import few_collections
+
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "true")
+    atexit.register(gc.freeze)
+    with few_collections():
+        yield
 
 
 def _without_command(words: Sequence[str]) -> int:

@@ -215,3 +215,22 @@ def test_the_name_of_a_file_is_never_empty(name: str, capsys: pytest.CaptureFixt
             main([name, *words])
         assert ended.value.code == 2
         assert "the name of the file is empty; is a variable of the shell not set?" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("words", "is_left"), [("", True), ("['schema']", False), ("['completion', 'bash']", False)])
+def test_a_process_whose_command_only_reads_leaves_its_garbage_to_the_system(words: str, is_left: bool) -> None:
+    """The last search of a process visits all that is alive: half of what `check` takes. A caller keeps its own."""
+    program = (
+        "import atexit, gc, os, sys;"
+        "atexit.register(lambda: print(gc.get_freeze_count() > 0, file=sys.stderr));"
+        "from rai_missions.cli.main import main; sys.argv = ['rai-missions', 'schema'];"
+        f"main({words}); print('PYDANTIC_DISABLE_PLUGINS' in os.environ, file=sys.stderr)"
+    )
+    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert ran.stdout and ran.stderr.split() == [str(is_left)] * 2
+
+
+def test_no_command_that_runs_something_leaves_its_garbage() -> None:
+    """A robot's driver may end its work as it is destroyed."""
+    readers = {name for name in names() if load_command(name).only_reads}
+    assert readers == {"check", "diff", "draw", "prove", "schema", "textconv", "verify"}

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 __all__ = ("check",)
 
 
-@command()
+@command(only_reads=True)
 def check(
     mission: MissionFile,
     *,

@@ -17,7 +17,7 @@ __all__ = ("diff",)
 MISSIONS = ("*.json", "*.py")
 
 
-@command()
+@command(only_reads=True)
 def diff(
     old: Annotated[str, Argument("OLD", files=MISSIONS)],
     new: Annotated[str | None, Argument("NEW", files=MISSIONS)] = None,

@@ -22,7 +22,7 @@ REMEDY = (
 )
 
 
-@command()
+@command(only_reads=True)
 def draw(
     mission: MissionFile,
     *,

@@ -10,7 +10,7 @@ from rai_missions.cli.command import Argument, GuardsFile, MissionFile, ProfileF
 __all__ = ("prove",)
 
 
-@command()
+@command(only_reads=True)
 def prove(
     mission: MissionFile,
     *,

@@ -10,7 +10,7 @@ from rai_missions.cli.command import Argument, command
 __all__ = ("schema",)
 
 
-@command()
+@command(only_reads=True)
 def schema(kind: Annotated[Literal["mission", "robot", "map", "campaign"], Argument()] = "mission") -> int:
     """Print the JSON Schema of missions, robot profiles, migration maps or campaigns.
 

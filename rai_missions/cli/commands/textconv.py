@@ -11,7 +11,7 @@ from rai_missions.cli.command import Argument, command
 __all__ = ("textconv",)
 
 
-@command(draws=True)
+@command(draws=True, only_reads=True)
 def textconv(file: Annotated[Path, Argument("FILE", files=("*.json",))]) -> int:
     """Print a mission as text, one thing a line, for git diff.
 

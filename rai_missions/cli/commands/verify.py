@@ -8,7 +8,7 @@ from rai_missions.cli.command import JournalFile, command
 __all__ = ("verify",)
 
 
-@command()
+@command(only_reads=True)
 def verify(journal: JournalFile) -> int:
     """Check that a journal is as it was written, and that it is of a run.
 
