@@ -13,7 +13,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, fields
-from operator import attrgetter
+from operator import attrgetter, itemgetter
 from typing import Any, Literal, NamedTuple, get_args
 
 from rai_missions.engine.activities.goal_ledger import Goal
@@ -327,7 +327,13 @@ TABLE = tuple(
     if "holds" in each.metadata
 )
 """Every field that a run remembers, in the order of `RunState`: the first arguments of its constructor."""
-_values = attrgetter(*(each.name for each in TABLE))
+_DICTS = tuple(
+    each.name for each in fields(RunState) if each.default_factory is dict and each.metadata["holds"] != "payload"
+)
+"""The fields that change in place."""
+_REST = tuple(each.name for each in TABLE if each.name not in _DICTS)
+_dicts, _rest = attrgetter(*_DICTS), attrgetter(*_REST)
+_in_order = itemgetter(*map((*_DICTS, *_REST).index, (each.name for each in TABLE)))
 
 
 def refuse(state: RunState, refusal: Refusal, why: str) -> None:
@@ -337,7 +343,6 @@ def refuse(state: RunState, refusal: Refusal, why: str) -> None:
 
 def copied(state: RunState) -> RunState:
     """Another of the same run, which later steps of either do not change in the other."""
-    values: list[Any] = [each.copy() if each.__class__ is dict else each for each in _values(state)]
-    made = RunState(*values)
+    made = RunState(*_in_order((*map(dict.copy, _dicts(state)), *_rest(state))))
     made.active, made.ask, made.outdated = state.active, state.ask, state.outdated
     return made

@@ -46,6 +46,17 @@ MOST_COURSES = 20_000
 OnProgress = Callable[[int, int], None]
 
 
+class CoreCases(NamedTuple):
+    """What can happen in all states of one core, or on account of the same goals there, and what has come of it."""
+
+    saved: SavedState
+    """The first of these states: the others differ from it in their stores alone."""
+    scenes: Sequence[StepCase]
+    timed: Sequence[StepCase]
+    """What of it waits for time."""
+    caches: Sequence[StepCache]
+
+
 class KnownCore(NamedTuple):
     """What is known of all states of one core with the same goals that nothing pursues."""
 
@@ -98,8 +109,8 @@ class Space(StateGraph):
         """Number of a state, its core and the state itself, or neither and its code; its store."""
         self._has_stores = False
         """States can differ in their stores alone."""
-        self._courses: dict[bytes, list[StepCache]] = {}
-        """Core, or core and goals, → what came of what happens there."""
+        self._courses: dict[bytes, CoreCases] = {}
+        """Core, or core and goals, → what can happen there, and what came of it."""
         self._words_here: Sequence[frozenset[str]] = ()
         """What waits for time in each part of the state that is left, where it is taken apart."""
         self._goal_words = frozenset[str]()
@@ -193,16 +204,19 @@ class Space(StateGraph):
             self._goal_words = inside.goal_words
             self.again(course, number, store)
             return
-        known, more = self._courses.get(core), self._courses.get(with_goals) if store.goals else []
+        known = self._courses.get(core)
         if known is None:
             self.findings.stop(number, place)
-        found, others = self.scenes(number, place)
-        known = known if known is not None else self._room(core, found)
-        more = more if more is not None else self._room(with_goals, others)
-        here = StepOrigin(number, place, timed(found), timed(others))
+            known = self._cases(core, place.saved, self._every_scene(number, place))
+        else:
+            place = Place(known.saved, store)
+        more = self._courses.get(with_goals) if store.goals else CoreCases(known.saved, (), (), ())
+        more = more if more is not None else self._cases(with_goals, known.saved, self._of_goals(place))
+        here = StepOrigin(number, place, known.timed, more.timed)
         inside = self._known_core(here, with_goals)
         courses: list[CachedStep] = []
-        for scene, cache in zip((*found, *others), (*known, *more), strict=True):
+        scenes, caches = (*known.scenes, *more.scenes), (*known.caches, *more.caches)
+        for scene, cache in zip(scenes, caches, strict=True):
             if self.is_over:
                 self.cut.add(number)
                 return
@@ -229,24 +243,31 @@ class Space(StateGraph):
 
     def scenes(self, number: int, place: Place) -> tuple[list[StepCase], list[StepCase]]:
         """Everything that can happen there but an e-stop; what is about goals that nothing pursues apart."""
+        return self._every_scene(number, place), self._of_goals(place)
+
+    def _every_scene(self, number: int, place: Place) -> list[StepCase]:
+        """Everything that can happen there but an e-stop, and what is about goals that nothing pursues."""
         self.environment.load(place)
-        met = Counter[str]()
-        found = [_scene(each, met) for each in self.environment.happenings()]
-        others = [_scene(each, met) for each in self.environment.of_goals()]
+        found = _scenes(self.environment.happenings())
         if number not in self.canceling:
             order = self.environment.ordering("cancel")
             found.append(StepCase(Stimulus(CANCEL, "command", order, is_cancel=True), -1))
-        return found, others
+        return found
 
-    def _room(self, place: bytes, found: list[StepCase]) -> list[StepCache]:
+    def _of_goals(self, place: Place) -> list[StepCase]:
+        """What can happen there on account of goals that nothing pursues."""
+        self.environment.load(place)
+        return _scenes(self.environment.of_goals())
+
+    def _cases(self, place: bytes, saved: SavedState, scenes: list[StepCase]) -> CoreCases:
         """Room for what comes of what happens in a place; it is not kept where nothing can be found there again."""
-        room = [StepCache() for _ in found]
+        cases = CoreCases(saved, scenes, _timed(scenes), [StepCache() for _ in scenes])
         if self._has_stores:
             if len(self._courses) >= MOST_COURSES:
                 self._courses.clear()
                 self._known.clear()
-            self._courses[place] = room
-        return room
+            self._courses[place] = cases
+        return cases
 
     def again(self, course: CachedStep, source: int, store: Store, spot: PartNumbers | None = None) -> None:
         """The same happens in a state that differs in its store alone, or in parts that make no difference."""
@@ -293,16 +314,7 @@ class Space(StateGraph):
         key: bytes | int = arrival.core
         if change is not None:
             store, answer = self._stores.after(before, change)
-            if target is None:
-                key = arrival.core + answer
-            else:
-                target = (
-                    target if arrival.changed is None or spot is None else spot.moved(target.frame, arrival.changed)
-                )
-                key = self._codes.code(target, answer)
-                if self._apart is not None and (arrival.changed is None or spot is None):
-                    depth = self._depths[source] + 1 if source >= 0 else 1
-                    self._apart.enter(self._codes.head_of(key), target.parts, depth)
+            key = arrival.core + answer if target is None else self._code_after(source, arrival, target, answer, spot)
         number = self._numbers.get(key)
         if number is None:
             number = self._find(key, source, arrival, store, answer)
@@ -317,6 +329,19 @@ class Space(StateGraph):
         if kept is not None and spot is not None and arrival.changed is not None:
             kept = kept.union(*(words for group, words in enumerate(self._words_here) if group not in arrival.needs))
         self.join(source, number, kind, kept)
+
+    def _code_after(
+        self, source: int, arrival: Arrival, target: PartNumbers, answer: bytes, spot: PartNumbers | None
+    ) -> int:
+        """The code of the state that a step leads to, where it is taken apart."""
+        stays = arrival.changed is not None and spot is not None
+        if arrival.changed is not None and spot is not None:
+            target = spot.moved(target.frame, arrival.changed)
+        code = self._codes.code(target, answer)
+        if self._apart is not None and not stays:
+            depth = self._depths[source] + 1 if source >= 0 else 1
+            self._apart.enter(self._codes.head_of(code), target.parts, depth)
+        return code
 
     def repeat(self, noted: Iterable[Sequence[NotedArrival]], steps: int, source: int, store: Store, code: int) -> None:
         """The same happens in a state of which every part and the frame are known."""
@@ -381,11 +406,15 @@ class Space(StateGraph):
         self.cut.add(number)
 
 
-def _scene(happening: Stimulus, met: Counter[str]) -> StepCase:
-    met[happening.words] += 1
-    return StepCase(happening, met[happening.words] - 1)
+def _scenes(found: Iterable[Stimulus]) -> list[StepCase]:
+    """Each with its place among those of the same words."""
+    met, scenes = Counter[str](), []
+    for each in found:
+        scenes.append(StepCase(each, met[each.words]))
+        met[each.words] += 1
+    return scenes
 
 
-def timed(found: Iterable[StepCase]) -> list[StepCase]:
+def _timed(found: Iterable[StepCase]) -> list[StepCase]:
     """What waits for time."""
     return [each for each in found if each.happening.kind == "time"]

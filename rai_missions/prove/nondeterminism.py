@@ -180,7 +180,9 @@ class OpenBoard(AskedBoard):
 
     def get(self, key: str, default: Any = None) -> Any:
         found = _get(self, key, MISSING)
-        self.note(key, found)
+        self.looked.add(key)
+        if key in self.counters:
+            self._count_look(key, found)
         if found is MISSING:
             if key not in self.open_keys:
                 return default
@@ -200,8 +202,10 @@ class OpenBoard(AskedBoard):
     def note(self, key: str, found: Any) -> None:
         """A key was looked at, and this is its entry; `MISSING` where it was not looked at before."""
         self.looked.add(key)
-        if key not in self.counters:
-            return
+        if key in self.counters:
+            self._count_look(key, found)
+
+    def _count_look(self, key: str, found: Any) -> None:
         if found is MISSING or found is None:
             self.counted.add((key, 0))
         elif found[0].__class__ is Count:
