@@ -3,12 +3,15 @@
 
 First a tick in which every node that py_trees visits is visited, a node: nothing is known of what has changed. Checks
 of py_trees read a Python dict; its own blackboard would add 1.7 µs each. Then a whole step of a chart: one guard of
-many is written, which changes its branch; on py_trees the same chart looks at the whole tree.
+many is written, which changes its branch; on py_trees the same chart looks at the whole tree. Last, a reading that a
+tree watches and that changes no guard: next to a reading that nothing watches, and to py_trees, where it is written to
+the blackboard and the tree is ticked.
 """
 
 from __future__ import annotations
 
 import itertools
+import operator
 import statistics
 import time
 from collections.abc import Callable, Mapping
@@ -105,6 +108,52 @@ def stepping(tree: dict[str, Any], keys: int, trees: Any = None) -> Callable[[],
     return step
 
 
+WATCHES: dict[str, Any] = {
+    "sequence": [{"check": {"key": "battery", ">": 0.2}}, {"timeout": 3600, "child": {"wait_s": 3000}}], "memory": False
+}  # fmt: skip
+
+
+def receiving(tree: dict[str, Any] | None) -> Callable[[], object]:
+    """A chart that receives a reading at each step; without a tree nothing watches it."""
+    work = {"tree": tree} if tree is not None else {}
+    states = {"w": {**work, "transitions": [{"on": "stop", "to": "e"}]}, "e": {"final": "failed"}}
+    board = {"battery": {"type": "number", "source": "robot"}}
+    chart = Chart(
+        Mission.model_validate(
+            {"name": "m", "initial": "w", "events": {"stop": {}}, "blackboard": board, "states": states}
+        )
+    )
+    chart.write("battery", 0.5, at=0.0)
+    chart.start(0.0)
+    level = 0.5
+
+    def step() -> None:
+        nonlocal level
+        level = 1.25 - level
+        chart.write("battery", level, chart.at + 0.001)
+
+    return step
+
+
+def receiving_by_py_trees() -> Callable[[], object]:
+    """The same tree in plain py_trees: a reading is written to the blackboard, and the tree is ticked."""
+    board = py_trees.blackboard.Client(name="robot")
+    board.register_key("battery", access=py_trees.common.Access.WRITE)
+    above = py_trees.common.ComparisonExpression("battery", 0.2, operator.gt)
+    wait = py_trees.decorators.Timeout("timeout", py_trees.timers.Timer("wait", 3000.0), 3600.0)
+    check = py_trees.behaviours.CheckBlackboardVariableValue("check", above)
+    root = py_trees.composites.Sequence("sequence", memory=False, children=[check, wait])
+    level = 0.5
+
+    def step() -> None:
+        nonlocal level
+        level = 1.25 - level
+        board.battery = level
+        root.tick_once()
+
+    return step
+
+
 class Check(py_trees.behaviour.Behaviour):
     def __init__(self, facts: dict[str, bool], key: str) -> None:
         super().__init__("check")
@@ -178,6 +227,10 @@ def main() -> None:
         figure(f"a step that changes one guard of {keys}", ours, "µs", peer=("on py_trees", theirs), most=most)
         figure(f"the same, of {keys}: memory at its peak", peak_bytes(stepping(tree, keys)), "bytes")
         print(f"{name:>16} {nodes:>8} {theirs:>16.1f} {ours:>16.1f}")
+    ours, theirs = cpu_us(receiving(WATCHES)), cpu_us(receiving_by_py_trees())
+    figure("a reading that a tree watches", ours, "µs", peer=("py_trees", theirs))
+    figure("a reading that nothing watches", unwatched := cpu_us(receiving(None)), "µs")
+    print(f"{'a reading':>16} {4:>8} {theirs:>16.1f} {ours:>16.1f}   unwatched {unwatched:.1f}")
 
 
 if __name__ == "__main__":
