@@ -210,7 +210,9 @@ def mission() -> Mission:
                 entry=[HALT, Say("I have stopped here for good. A person must come.")],
             ),
             "aborted": Final("aborted", about="home before the work was done"),
-            "stopped": Final("aborted", about="stopped at once, because someone wanted it", entry=[HALT]),
+            "stopped": Final(
+                "aborted", about="stopped at once: for an e-stop, or because its touch sensor fell silent", entry=[HALT]
+            ),
         },
         transitions=[
             On("e_stop", to="stopped"),

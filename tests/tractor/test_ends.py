@@ -39,6 +39,15 @@ def test_an_option_and_its_end_do_what_they_state(name: str) -> None:
             assert any(isinstance(effect, Call) and effect.call == "halt" for effect in entry), (end, words)
 
 
+@pytest.mark.parametrize("name", ["tractor/mission", "rosbot/mission", "rosbot/assist", "desk/arrange"])
+def test_an_end_is_put_down_to_a_person_only_where_an_event_alone_leads_to_it(name: str) -> None:
+    mission = load(MISSIONS / f"{name}.json")
+    ways = [*mission.transitions, *(each for _, _, state in mission.walk() for each in state.transitions)]
+    ends = {state: end.about for _, state, end in mission.walk() if isinstance(end, Final)}
+    for state in (state for state, about in ends.items() if "someone wanted" in about):
+        assert all(each.on for each in ways if state in each.to), state
+
+
 def test_a_tractor_that_gives_up_halts_and_calls_a_person() -> None:
     chart = Chart(load(MISSIONS / "tractor" / "mission.json"), CompiledTrees())
     facts = {"alleys_driven": 0, "at_home": True, "autonomy_state": "WAITING", "battery": 0.9, "touched_living": False}
