@@ -41,8 +41,8 @@ class Dialogue:
         self._speaking = SpeechSide(self._talk)
         self._orders = OrderSide(self._talk, self._speaking)
         self._documents = DocumentSide(self._talk, self._speaking)
-        self._sentences = SentenceSide(self._talk, self._speaking, self._orders, self._documents)
         self._models = ModelSide(self._talk, self._speaking, self._orders, self._documents)
+        self._sentences = SentenceSide(self._talk, self._speaking, self._orders, self._documents, self._models)
 
     @property
     def settings(self) -> Settings:

@@ -149,7 +149,8 @@ class OrderLists:
             is_whole: The sentence is an order as a whole: a value is one of it rather than of another order.
         """
         shared = self._language.normaliser.bare(list(before)) if words[0] not in self._correcting else []
-        is_thing = words[0] in self._language.articles and not self.is_value(words, view)
+        is_named = words[0] in self._language.articles and not self.is_value(words, view)
+        is_thing = is_named and not self._grammar.begins_an_order(words)
         for size in range(1, min(MOST_SHARED, len(shared) - 1) + 1):
             sense = self._grammar.start_in([*shared[:size], *words], view)
             if sense is not None and (is_thing if self._grammar.open_texts(sense) else not is_whole):

@@ -26,7 +26,7 @@ from rai_missions.conversation.order_words import order_words
 from rai_missions.conversation.outputs import Mapper, Order
 from rai_missions.conversation.request_queue import JudgedOrder, RequestQueue, order_data
 from rai_missions.conversation.run_words import state_of_run
-from rai_missions.conversation.senses import STOP, Sense
+from rai_missions.conversation.senses import STOP, Sense, joined
 from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.talk import Talk
 from rai_missions.conversation.values import capital
@@ -202,6 +202,11 @@ class OrderSide:
     def _refuse(self, judged: JudgedOrder, form: str, **values: object) -> None:
         self._talk.note("refused", number=judged.utterance.number, order=judged.sense.name, by=form)
         self._speaking.reply(form, judged.utterance, **values)
+        if judged.sense.then:
+            then = order_words(
+                joined(judged.sense.orders[1:]), self._talk.view, self._talk.spoken_starts, self._talk.language
+            )
+            self._speaking.reply("left_out", judged.utterance, rest=then)
 
     def _settle(self, judged: JudgedOrder) -> None:
         """The order counts, and those that follow it, each of which waits for its turn."""

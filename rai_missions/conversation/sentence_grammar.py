@@ -159,21 +159,21 @@ class SentenceGrammar:
         """The start with the one place that words about its thing name: `find the cup, it is in the study`.
 
         Args:
-            sense: A start without a place of its own, or any other sense, which stays as it is.
+            sense: A start with a thing and no place of its own, or any other sense, which stays as it is.
             words: Of the start.
             rest: The clauses behind it.
             view: The run.
         """
         pronouns = self._things - self.language.articles
         is_about_it = not self._things.isdisjoint(rest[:1]) or not pronouns.isdisjoint(rest)
-        if not is_about_it or not self._undecided.isdisjoint(rest):
+        texts = self.open_texts(sense)
+        if not texts or not is_about_it or not self._undecided.isdisjoint(rest):
             return sense
         bare, found = self.language.normaliser.bare(list(words)), list[Sense]()
         for place in self.places_in([rest]):
             end = next(at for at in range(len(rest)) if rest[at : at + len(place)] == place) + len(place)
             begins = (at for at in range(end - len(place) - 1, -1, -1) if rest[at] in self.language.spatial)
             starts = (self.start_in([*bare, *rest[at:end]], view) for at in begins)
-            texts = self.open_texts(sense)
             found += [each for each in starts if each is not None and self.open_texts(each) == texts][:1]
         return found[0]._replace(is_partial=True) if len(found) == 1 else sense
 

@@ -15,6 +15,7 @@ from rai_missions.conversation.document_side import DocumentSide
 from rai_missions.conversation.grammar import Grammar
 from rai_missions.conversation.inputs import Utterance
 from rai_missions.conversation.language import spoken
+from rai_missions.conversation.model_side import ModelSide
 from rai_missions.conversation.names import option_place
 from rai_missions.conversation.order_rules import forbidden, is_request, may, must_confirm, why_not_now
 from rai_missions.conversation.order_side import LONGEST_REASON, SPEAKERS, EarlierOrder, OrderSide, remember
@@ -25,6 +26,7 @@ from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.state_answers import Asker
 from rai_missions.conversation.suggestions import Suggestions
 from rai_missions.conversation.talk import Talk
+from rai_missions.conversation.unread_answers import is_question
 from rai_missions.conversation.values import is_known
 from rai_missions.conversation.view import StatusView
 from rai_missions.engine.decision import Question
@@ -51,10 +53,14 @@ class SentenceSide:
         speaking: Where texts go out.
         orders: Where orders, and what confirms them, are judged.
         documents: Where a question is looked up that has no answer now.
+        models: Where a question is answered that is joined to an order, and that no rule reads.
     """
 
-    def __init__(self, talk: Talk, speaking: SpeechSide, orders: OrderSide, documents: DocumentSide) -> None:
+    def __init__(
+        self, talk: Talk, speaking: SpeechSide, orders: OrderSide, documents: DocumentSide, models: ModelSide
+    ) -> None:
         self._talk, self._speaking, self._orders, self._documents = talk, speaking, orders, documents
+        self._models = models
         self._grammar = Grammar(talk.language, talk.starts, talk.settings.questions)
         self._suggestions = Suggestions(self._grammar.sentence)
         self._unfinished = dict[tuple[str, str], EarlierOrder]()
@@ -123,6 +129,7 @@ class SentenceSide:
         """A sentence that orders to stop, at once; what it has besides is handled after that."""
         if not self._orders.stop(utterance):
             return "handled"
+        self._name_left_out(stop, utterance)
         if stop.then:
             self._handle(joined(stop.then), utterance, self._agreeing(stop, each, utterance))
         return "stopped"
@@ -283,19 +290,32 @@ class SentenceSide:
             self._orders.refuse_permission(order, utterance)
             return
         if sense.rest:
-            self._speaking.answer(self._why_unread(sense.rest), utterance)
+            self._name_unread(sense.rest, utterance)
+        if sense.name == "pause":
+            self._name_left_out(sense, utterance)
         if sense.name == "answer" and self._may_be_no_answer(utterance):
             sense = sense._replace(is_partial=True)  # it is read back
         self._orders.take(sense, utterance, mapper="grammar", agreeing=agreeing)
 
-    def _why_unread(self, rest: str) -> str:
-        """Why a part of a list is left out: the value in it that does not fit, or that it means nothing."""
-        found = self._grammar.senses(rest, self._talk.view)
-        return (
-            found[0].fault
-            if is_fault(found)
-            else self._talk.language.text("unread_rest", rest=cut(rest, LONGEST_REASON))
-        )
+    def _name_unread(self, rest: str, utterance: Utterance) -> None:
+        """A part of a sentence that orders is left out: a value in it does not fit, or no rule reads it.
+
+        A question is for the model, or for the documents.
+        """
+        found, part = self._grammar.senses(rest, self._talk.view), utterance._replace(text=rest)
+        if is_fault(found):
+            self._speaking.answer(found[0].fault, utterance)
+        elif self._talk.settings.has_model and is_question(rest, self._talk.language):
+            self._models.ask(part)
+        else:
+            named = cut(rest, LONGEST_REASON)
+            self._documents.ask(part, lambda: self._speaking.reply("unread_rest", utterance, rest=named))
+
+    def _name_left_out(self, sense: Sense, utterance: Utterance) -> None:
+        """What a typed stop or pause has besides counts for nothing: the person is informed."""
+        left = "" if utterance.is_spoken else self._suggestions.left_out(utterance.text, sense, self._talk.view)
+        if left and not sense.rest:
+            self._speaking.reply("left_out", utterance, rest=cut(left, LONGEST_REASON))
 
     def _react(self, sense: Sense, utterance: Utterance, agreeing: int | None) -> None:
         """Handle what is neither a question nor an order that can be judged."""

@@ -87,6 +87,7 @@ class StartPhrases:
         spatial = language.spatial - frozenset(data["prepositions"])
         joints = frozenset([*data["order_joints"], language.text("or")])
         self._undecided = spatial | joints | frozenset(data["no_thing"]["any"])
+        self._joints = frozenset([*data["clause_joints"], *data["lead"]])
         self._each = [self._compiled(each) for each in given]
         self._called = {name: language.written_out(spoken(name)) for choices in names.values() for name in choices}
         """Name of a value → its words, as a sentence has them."""
@@ -142,10 +143,13 @@ class StartPhrases:
         return frozenset(name for name, key in keys.items() if key.type == "string" and name not in self._names)
 
     def may_be_thing(self, words: Sequence[str]) -> bool:
-        """Whether words may name something: not `out what the time is`, of `find out what the time is`."""
+        """Whether words may name something: not `out what it is`, of `find out what it is`; nor `cup and go to bed`."""
         excluded = self._language.data["no_thing"]
         is_article = len(words) > 1 and words[0] in self._language.articles
-        return words[is_article] not in excluded["first"] and not set(words) & set(excluded["any"])
+        is_named = words[is_article] not in excluded["first"] and not set(words) & set(excluded["any"])
+        return is_named and not any(
+            self.begin(words[at + 1 :]) for at, each in enumerate(words) if each in self._joints
+        )
 
     def _start(
         self, mission: MissionView, slots: Mapping[str, str], phrase: CompiledPhrase, keys: Mapping[str, KeyView]

@@ -23,6 +23,8 @@ LONGEST_ORDER = 8
 """Words of the longest order of the language that is looked for within a clause."""
 LONGEST_THING = 3
 """Words of the longest name of a thing in whose place a pronoun may be."""
+LONGEST_SUBJECT = 4
+"""Words of the longest subject of a fact."""
 REPLIES = frozenset({"yes", "no", "quiet", "withdraw", "again", "other"})
 """What a clause may mean with which the person reacts to the robot, so that the others do, too."""
 
@@ -51,7 +53,7 @@ class Suggestions:
         self._asking = frozenset(data["asking"]) - self._requesting
 
     def suggested(self, text: str, view: StatusView) -> tuple[Sense, ...]:
-        """The orders in it, or else its first question, or what an order in it lacks; empty with a condition.
+        """The orders in it and its questions, or its first question, or what an order lacks; empty with a condition.
 
         A question for a thing comes with the order to look for it, where that is the only one.
 
@@ -62,7 +64,8 @@ class Suggestions:
         clauses = [] if self._language.may_quote(text) else self._joined(list(self._clauses(text)), view)
         if len(clauses) > MOST_CLAUSES or any(self._is_conditional(words, view) for words in clauses):
             return ()
-        orders, others = dict[str, tuple[Sense, ...]](), list[Sense]()
+        orders, asked, faults = dict[str, tuple[Sense, ...]](), list[Sense](), list[Sense]()
+        unread = list[list[str]]()
         is_question = text.rstrip().endswith("?")
         is_addressed = any(self._addressing & set(words) for words in clauses)
         for at, words in enumerate(clauses):
@@ -76,13 +79,56 @@ class Suggestions:
                 behind = [word for each in clauses[at + 1 :] for word in each]
                 order = (*order[:-1], self._grammar.located(order[-1], words, behind, view))
                 orders[order[-1].identity] = (*order[:-1], order[-1]._replace(is_partial=True))
-            elif senses and senses[0].kind in ("question", "fault") and senses[0].name not in ALWAYS:
-                others.append(senses[0])
-        if len(orders) > 1:
-            return (joined([each[-1] for each in orders.values()]),)
-        if orders:
-            return next(iter(orders.values()))
-        return tuple(sorted(others, key=lambda sense: sense.kind == "fault")[:1])
+                unread += [order[-1].rest.split()] if order[-1].rest else []
+            elif is_fault(senses):
+                faults.append(senses[0])
+                unread.append(words)
+            elif senses and senses[0].kind == "question" and senses[0].name not in ALWAYS:
+                asked.append(senses[0])
+            elif not senses and self._may_ask(words, is_behind=bool(orders)):
+                unread.append(words)
+        if not orders:
+            return tuple((asked or faults)[:1])
+        rest = ", ".join(map(" ".join, unread))
+        if len(orders) == 1 and not asked:
+            return tuple(sense._replace(rest=rest) for sense in next(iter(orders.values())))
+        return (joined([*(each[-1] for each in orders.values()), *asked])._replace(rest=rest),)
+
+    def left_out(self, text: str, sense: Sense, view: StatusView) -> str:
+        """The clauses that a stop or a pause at the edge of a sentence leaves out, in their words: orders, or unread.
+
+        Args:
+            text: The sentence, as it was received.
+            sense: What it means.
+            view: The run.
+        """
+        read = {each.identity for each in sense.each}
+        clauses = list(self._clauses(text)) if not self._language.may_quote(text) else []
+        meant = [self._clause(words, view) for words in clauses]
+        left = (
+            words
+            for words, senses in zip(clauses, meant, strict=True)
+            if (senses or self._may_ask(words, is_behind=True))
+            and all(each.kind in ("order", "fault") and each.identity not in read for each in senses)
+        )
+        return ", ".join(map(" ".join, left))
+
+    def _may_ask(self, words: list[str], *, is_behind: bool) -> bool:
+        """Whether a clause without a meaning may ask for something, so that it must not be left out unnamed.
+
+        Args:
+            words: Of the clause.
+            is_behind: An order is ahead of it; if not, two words may be an address.
+        """
+        bare = self._language.normaliser.bare(words)
+        if len(bare) < 2:
+            return False
+        is_asking = bare[0] in self._language.data["asking"] or self._language.conditions.begin(bare)
+        if is_asking or any(self._grammar.begins_an_order(bare[at:]) for at in range(len(bare))):
+            return True
+        stated = (slots.get("thing", "").split() for slots in self._language.statement.match(bare))
+        is_talk = self._language.wish.fits(bare) or any(len(thing) <= LONGEST_SUBJECT for thing in stated)
+        return not is_talk and (is_behind or len(bare) > 2 or self._grammar.knows(bare[0]))
 
     def _is_conditional(self, words: list[str], view: StatusView) -> bool:
         """Whether a clause is a condition, and nothing by itself as `if not, go home` is."""
@@ -190,7 +236,10 @@ class Suggestions:
             if sense is None and is_free:
                 sense, size = self._about_earlier(words, at, view)
             if sense is not None:
-                found[sense.identity] = sense
+                around = (
+                    each for each in (words[:at], words[at + size :]) if each and self._may_ask(each, is_behind=False)
+                )
+                found[sense.identity] = sense._replace(rest=", ".join(map(" ".join, around)))
             at += size or 1
         return tuple(found.values()) if len(found) == 1 else ()
 
