@@ -8,7 +8,7 @@ other words, and a value that may have the joint in it, stay whole.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import islice, product
+from itertools import accumulate, islice, product
 from typing import NamedTuple
 
 from rai_missions.conversation.language import QUOTING
@@ -79,7 +79,8 @@ class OrderLists:
         if is_order(whole) and not any(map(self._grammar.open_texts, whole)):
             cuts = [each for each in cuts if each.is_marked or 1 < each.end < len(words) - 1]
         words, cuts = self._on_the_way(words, cuts)
-        reading = _Reading(self, words, cuts, view, is_whole=is_order(whole))
+        sizes = [len(self._language.normaliser.words(each)) for each in self._language.normaliser.parts(text)]
+        reading = _Reading(self, words, cuts, view, ends=tuple(accumulate(sizes)), is_whole=is_order(whole))
         end = next((each.end for each in cuts if each.begin == len(words)), len(words))
         if len(parts := reading.parts(end)) > 1 or (parts and end < len(words)):
             return _together(parts)
@@ -179,13 +180,22 @@ class _Reading:
         words: The sentence's.
         cuts: Where a part may end.
         view: The run.
+        ends: The places at which a sentence of an utterance ends: no part goes beyond one.
         is_whole: The sentence is an order as a whole as well.
     """
 
     def __init__(
-        self, lists: OrderLists, words: Sequence[str], cuts: Sequence[Cut], view: StatusView, *, is_whole: bool
+        self,
+        lists: OrderLists,
+        words: Sequence[str],
+        cuts: Sequence[Cut],
+        view: StatusView,
+        *,
+        ends: Sequence[int],
+        is_whole: bool,
     ) -> None:
         self._lists, self._words, self._cuts, self._view, self._is_whole = lists, words, cuts, view, is_whole
+        self._ends = ends
         self._known = dict[tuple[int, ...], Part]()
 
     def parts(self, end: int) -> list[Part]:
@@ -210,7 +220,7 @@ class _Reading:
 
     def _part(self, begin: int, end: int, whole: tuple[int, int] = (0, 0)) -> Part:
         place = (begin, end, *whole)
-        if begin >= end:
+        if begin >= end or any(begin < each < end for each in self._ends):
             return ()
         if place not in self._known:
             words, earlier = self._words[begin:end], self._words[slice(*whole)]

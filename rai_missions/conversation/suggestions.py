@@ -40,7 +40,8 @@ class Suggestions:
         self._grammar, self._language = grammar, grammar.language
         data = self._language.data
         self._pronouns = frozenset(data["thing_pronouns"])
-        self._articles, self._ends = self._language.articles, frozenset(data["thing_ends"])
+        sequels = {" ".join(joint) for joint in self._language.joints} - {self._language.text("and")}
+        self._articles, self._ends = self._language.articles, sequels.union(data["thing_ends"])
         self._determiners = self._articles | frozenset(data["owners"])
         self._fillers = frozenset(data["fillers"])
         self._openings = frozenset(map(tuple, self._language.normaliser.lead))
