@@ -16,7 +16,7 @@ from rai_missions.engine.activities.tree import is_settling, questions_in
 from rai_missions.engine.blackboard import known, note_news
 from rai_missions.engine.completion import end, kill
 from rai_missions.engine.handover import ask_back, lay_down
-from rai_missions.engine.hold import awake, drop_reports, held_controls, holder_of, is_held, run_at, shift
+from rai_missions.engine.hold import awake, held_controls, holder_of, is_held, run_at
 from rai_missions.engine.macrostep import check_stopped, complete, jump
 from rai_missions.engine.modes import refusal
 from rai_missions.engine.program import Program
@@ -26,8 +26,10 @@ from rai_missions.engine.snapshot import control_of, put_back
 from rai_missions.engine.snapshot_json import unpacked
 from rai_missions.engine.state import RunState, refuse
 from rai_missions.engine.step import Move
+from rai_missions.engine.stopped_time import shift
 from rai_missions.engine.timers import late_s
 from rai_missions.engine.timing import look_ahead
+from rai_missions.engine.waiting import drop_reports
 from rai_missions.errors import suggestion
 from rai_missions.event import Event
 from rai_missions.keys import Stamped, type_error

@@ -11,7 +11,10 @@ from rai_missions.engine.step import Move
 from rai_missions.guards.view import Test, Truth
 from rai_missions.states.transition import ANY_EVENT
 
-__all__ = ("CompiledStep", "Configuration", "DirectStep", "Looked")
+__all__ = ("CompiledStep", "Configuration", "DirectStep", "Looked", "Plan")
+
+Plan = tuple[tuple[CompiledTransition, ...], ...]
+"""Chains of transitions: of each the first fires whose guard is true."""
 
 
 class CompiledStep:
@@ -75,7 +78,7 @@ class Configuration:
         self.active = frozenset(node.name for node in self.nodes if node.state is not None)
         self.controls = frozenset(node.control for node in self.nodes if node.control is not None)
         """Whose control the active states need."""
-        self.plans: dict[str, tuple[tuple[CompiledTransition, ...], ...]] = {}
+        self.plans: dict[str, Plan] = {}
         self.leaps: dict[Any, CompiledStep] = {}
         self.direct: dict[str, DirectStep] = {}
         """An event that fires the same plain step whenever it fires → that step; those that happened so far."""
@@ -93,7 +96,7 @@ class Configuration:
         self.leaps.clear()
         self.direct.clear()
 
-    def _candidates(self, wanted: Callable[[CompiledTransition], bool]) -> tuple[tuple[CompiledTransition, ...], ...]:
+    def _candidates(self, wanted: Callable[[CompiledTransition], bool]) -> Plan:
         """For each innermost state its transitions and its ancestors', in the order in which they are tried."""
         chains = (
             tuple(
@@ -103,19 +106,17 @@ class Configuration:
         )
         return tuple(chain for chain in chains if chain)
 
-    def plan(self, event: str, *, declared: bool) -> tuple[tuple[CompiledTransition, ...], ...]:
+    def plan(self, event: str, *, declared: bool) -> Plan:
         """The transitions that an event may fire, a tuple an innermost state, in the order in which they are tried."""
         plan = self.plans[event] = self._chains(event, declared=declared)
         return plan
 
-    def _chains(self, event: str | None, *, declared: bool) -> tuple[tuple[CompiledTransition, ...], ...]:
+    def _chains(self, event: str | None, *, declared: bool) -> Plan:
         """The same, or without an event the transitions that need none; worked out once for each innermost state."""
         found = [_chain(node, event, declared=declared) for node in self.atomic]
         return tuple([chain for chain in found if chain])
 
-    def outcome_plan(
-        self, source: Node, outcome: str, *, option: bool, climbs: bool, is_late: bool = False
-    ) -> tuple[tuple[CompiledTransition, ...], ...]:
+    def outcome_plan(self, source: Node, outcome: str, *, option: bool, climbs: bool, is_late: bool = False) -> Plan:
         """The transitions for an outcome: those of its own state, of its ancestors if it climbs, or that name it.
 
         Once its state was left, only those that name it: they wait for the event, as in SCXML, and not on the state.

@@ -22,13 +22,14 @@ from rai_missions.engine.completion import (
     settle_final,
     settle_nested,
 )
-from rai_missions.engine.configuration import CompiledStep
-from rai_missions.engine.hold import event_of, free, is_held, keep_trigger, wait_out_pause
+from rai_missions.engine.configuration import CompiledStep, Plan
+from rai_missions.engine.hold import free, is_held
 from rai_missions.engine.nodes import CompiledTransition, Node
 from rai_missions.engine.program import Program
 from rai_missions.engine.running import begin_starting, leave_activity, outcome_of, poll
 from rai_missions.engine.state import RunState, StepDraft, Trigger
 from rai_missions.engine.timers import late_s, now_of, set_timer
+from rai_missions.engine.waiting import event_of, keep_trigger, wait_out_pause
 from rai_missions.guards.view import Test, Truth
 from rai_missions.mission.mission import BUILT_IN_EVENTS
 
@@ -50,9 +51,7 @@ def react(program: Program, state: RunState, trigger: Trigger) -> None:
         complete(program, state, trigger)
 
 
-def enabled(
-    state: RunState, plan: tuple[tuple[CompiledTransition, ...], ...], looked: list[tuple[str, Truth]]
-) -> list[CompiledTransition]:
+def enabled(state: RunState, plan: Plan, looked: list[tuple[str, Truth]]) -> list[CompiledTransition]:
     """The first transition of each chain whose guard is true (SCXML: selectTransitions)."""
     transitions: list[CompiledTransition] = []
     for chain in plan:
@@ -136,7 +135,7 @@ def _answer(program: Program, state: RunState, trigger: Trigger) -> None:
         return keep_trigger(program, state, trigger) if is_held(state, source) else _next_round(program, state, source)
     state.event, option = trigger.data, False
     if trigger.transition is not None:
-        plan: tuple[tuple[CompiledTransition, ...], ...] = ((trigger.transition,),)
+        plan: Plan = ((trigger.transition,),)
     elif source is None:
         found = config.plans.get(trigger.name)
         plan = found if found is not None else config.plan(trigger.name, declared=trigger.name in program.declared)

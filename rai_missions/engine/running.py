@@ -12,13 +12,14 @@ from rai_missions.engine.activities.activity import GOALS, NO_KEYS, Outcome, Tur
 from rai_missions.engine.activities.tree import TreeMachine, limit_of
 from rai_missions.engine.activities.tree_rounds import Rounds
 from rai_missions.engine.blackboard import write_key
-from rai_missions.engine.hold import awake, drop_reports, holder_of, is_held, live
+from rai_missions.engine.hold import awake, holder_of, is_held, live
 from rai_missions.engine.listening import RunningTree, WatchedNames
 from rai_missions.engine.nodes import Node
 from rai_missions.engine.program import Program
 from rai_missions.engine.state import RunState, Trigger
 from rai_missions.engine.step import CancelGoal, Handover
 from rai_missions.engine.timers import begins_at, next_number
+from rai_missions.engine.waiting import drop_reports
 from rai_missions.event import Event
 
 __all__ = (

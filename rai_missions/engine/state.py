@@ -106,7 +106,7 @@ Holds = Literal[
 | `ages`          | state → when it was entered                                              |
 | `since`         | guard inside `held` → since when it has been true                        |
 
-A new one has an entry in each table by which it is not left as it is: `snapshot.FORMS`, `hold.SHIFTS`,
+A new one has an entry in each table by which it is not left as it is: `snapshot.FORMS`, `stopped_time.SHIFTS`,
 `carries` in `replay.migrate.activities`, and in `prove` `rests` and one of `INDIFFERENT`, `AS_IT_IS` and
 `keys_by_kind`.
 """
