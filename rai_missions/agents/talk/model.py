@@ -100,8 +100,7 @@ class TalkModel:
         pending = PendingQuestion(question, lambda answer: on_text(_model_text(request.number, answer)))
         late = {"failed": f"no answer within {seconds:g} s"}
         answer_of = partial(self._answer, request, view, pending)
-        if busy := self._sentences.begin(pending, answer_of, lambda: pending.reply(late)):
-            pending.reply({"failed": f"the model has not come back from {busy} earlier sentences"})
+        self._sentences.begin(pending, answer_of, lambda: pending.reply(late), waits=True)
 
     def _answer(self, request: AskModel, view: Callable[[], StatusView], pending: PendingQuestion) -> dict[str, Any]:
         try:

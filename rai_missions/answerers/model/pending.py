@@ -9,14 +9,17 @@ from __future__ import annotations
 import math
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Mapping
-from typing import Any
+from functools import partial
+from typing import Any, NamedTuple
 
 from rai_missions.connectors.worker import Worker
 from rai_missions.engine.decision import Question
 
 __all__ = ("GRACE_S", "PendingQuestion", "QuestionThreads")
 
+Work = Callable[[], Mapping[str, Any]]
 GRACE_S = 0.5
 """How much longer than its question the work on it may last: the run's clock decides first that time is over."""
 
@@ -93,6 +96,13 @@ class PendingQuestion:
         return True
 
 
+class QuestionWork(NamedTuple):
+    """A question, and what gives its answer."""
+
+    pending: PendingQuestion
+    work: Work
+
+
 class QuestionThreads:
     """Questions in work, each on a thread of its own.
 
@@ -107,36 +117,42 @@ class QuestionThreads:
         self._name, self._most = name, most
         self._lock = threading.Lock()
         self._pending: dict[int, PendingQuestion] = {}
+        self._waiting: deque[QuestionWork] = deque()
+        """What begins on the next thread that comes back."""
         self._threads: set[threading.Thread] = set()
         self._deadlines = Worker(f"deadlines of {name}s")
 
-    def begin(
-        self, pending: PendingQuestion, work: Callable[[], Mapping[str, Any]], give_up: Callable[[], object]
-    ) -> int:
+    def begin(self, pending: PendingQuestion, work: Work, give_up: Callable[[], object], *, waits: bool = False) -> int:
         """Have a question worked on, unless there are too many; so many are in work then, else 0.
 
         Args:
             pending: The question.
             work: Gives its answer.
             give_up: Done once its time is over and it has no answer.
+            waits: Where there are too many, it waits for one of them to come back, in its own time.
         """
-        number = pending.question.number
-        thread = threading.Thread(target=self._do, args=(pending, work), name=f"{self._name} {number}", daemon=True)
+        number, job = pending.question.number, QuestionWork(pending, work)
+        thread = threading.Thread(target=self._do, args=(job,), name=f"{self._name} {number}", daemon=True)
         with self._lock:
             busy = len(self._threads)
-            if busy >= self._most:
+            if busy >= self._most and not waits:
                 return busy
-            self._threads.add(thread)
             self._pending[number] = pending
+            if busy < self._most:
+                self._threads.add(thread)
+            else:
+                self._waiting.append(job)
         self._deadlines.start()
+        pending.when_closed(partial(self._forget, job))
         pending.when_closed(self._deadlines.after(pending.left_s, give_up))
-        thread.start()
+        if busy < self._most:
+            thread.start()
         return 0
 
     def drop(self, number: int) -> None:
         """A question is no longer asked; what comes back is dropped."""
         with self._lock:
-            pending = self._pending.pop(number, None)
+            pending = self._pending.get(number)
         if pending is not None:
             pending.close()
 
@@ -145,7 +161,6 @@ class QuestionThreads:
         ends = time.monotonic() + within_s
         with self._lock:
             dropped, threads = list(self._pending.values()), list(self._threads)
-            self._pending.clear()
         for pending in dropped:
             pending.close()
         self._deadlines.close(within_s)
@@ -154,13 +169,29 @@ class QuestionThreads:
             if thread.ident is not None and thread is not threading.current_thread():  # one may be about to begin
                 thread.join(max(0.0, ends - time.monotonic()))
 
-    def _do(self, pending: PendingQuestion, work: Callable[[], Mapping[str, Any]]) -> None:
-        try:
-            answer = work()
-        except BaseException as error:  # noqa: BLE001 - a thread that dies would count as one that hangs, for ever
-            answer = {"failed": f"the answer could not be read: {type(error).__name__}"}
+    def _do(self, job: QuestionWork | None) -> None:
+        while job is not None:
+            pending = job.pending
+            try:
+                answer = job.work()
+            except BaseException as error:  # noqa: BLE001 - a thread that dies would count as one that hangs, for ever
+                answer = {"failed": f"the answer could not be read: {type(error).__name__}"}
+            job = self._next()
+            pending.reply(answer)
+
+    def _next(self) -> QuestionWork | None:
+        """What waits; where nothing does, this thread ends."""
         with self._lock:
+            if self._waiting:
+                return self._waiting.popleft()
             self._threads.discard(threading.current_thread())
-            if self._pending.get(pending.question.number) is pending:
-                del self._pending[pending.question.number]
-        pending.reply(answer)
+        return None
+
+    def _forget(self, job: QuestionWork) -> None:
+        """A question is closed."""
+        with self._lock:
+            number = job.pending.question.number
+            if self._pending.get(number) is job.pending:
+                del self._pending[number]
+            if job in self._waiting:
+                self._waiting.remove(job)

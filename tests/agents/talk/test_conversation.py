@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import pytest
+from langchain_core.messages import AIMessage, BaseMessage
 from langchain_core.tools import StructuredTool
 
 from rai_missions.agents.agent import AgentHealth
@@ -17,7 +18,7 @@ from rai_missions.agents.conversation import MOST_WAITING, ConversationalAgent
 from rai_missions.agents.talk.doors import OnSpoken, TalkLine, TextDoor
 from rai_missions.agents.talk.happenings import happenings
 from rai_missions.agents.talk.hri_door import HRIDoor
-from rai_missions.agents.talk.model import MOST_LOOKS, TalkModel
+from rai_missions.agents.talk.model import MOST_AT_ONCE, MOST_LOOKS, TalkModel
 from rai_missions.agents.talk.orders import refusal_kind
 from rai_missions.agents.talk.run_status import RunStatus
 from rai_missions.connectors.hri.connector import FROM_HUMAN, TO_HUMAN, HRIConnector
@@ -29,7 +30,7 @@ from rai_missions.event import Event, Role
 from rai_missions.runtime.clock import WallClock
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.testing import Inbox
-from tests.agents.talk.scenes import RepliesModel, Screen, Talk, settle
+from tests.agents.talk.scenes import PATIENCE_S, RepliesModel, Screen, Talk, settle
 from tests.rigs.runs import KEYS, Rig, asking, mission, robot
 
 MOVING: dict[str, Any] = {
@@ -211,6 +212,28 @@ def test_a_hanging_model_delays_no_state_question() -> None:
             waits.append(time.monotonic() - began)
         resume.set()
         assert sorted(waits)[7] < 0.5 and max(waits) < 5.0, waits  # the model has 20 s; benchmarks/bench_talk.py
+
+
+def test_who_interrupts_a_slow_model_has_the_last_sentence_answered() -> None:
+    free, asked = threading.Semaphore(0), list[str]()
+
+    class Slow(RepliesModel):
+        def reply_to(self, messages: list[BaseMessage]) -> AIMessage:
+            asked.append(str(messages[-1].content))
+            free.acquire(timeout=PATIENCE_S)
+            return AIMessage("Tea is grown in Asia.")
+
+    with talked(model=Slow(), settings=Settings(late="interrupt")) as talk:
+        for kind in ("green", "black", "white", "yellow", "dark", "smoked"):
+            talk.order(f"what do you think of {kind} tea")
+            settle(talk.agent)
+        free.release(6)
+        talk.screen.until(lambda line: line.way == "model")
+        settle(talk.agent)
+        assert [line.text for line in talk.screen.of_robot() if line.way == "model"] == ["Tea is grown in Asia."]
+        assert not any(line.way == "unknown" for line in talk.screen.of_robot())
+        assert len(asked) == MOST_AT_ONCE + 1, "what was interrupted before its turn is not asked"
+        assert "smoked tea" in asked[-1]
 
 
 @pytest.mark.parametrize("fault", [RuntimeError, SystemExit, MemoryError])
