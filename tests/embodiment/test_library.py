@@ -35,6 +35,8 @@ RULES = [
     (0, "The extinguisher hangs at the door."),
 ]
 
+DEGREES = ("exactly", "altogether", "roughly", "overall", "approximately", "genau", "insgesamt", "ungefähr", "etwa")
+
 
 class LetterVectors:
     """Counts letters: a real measure of likeness, without a model."""
@@ -160,6 +162,11 @@ def test_key_terms_are_few_and_plain(question: str) -> None:
     terms = key_terms(question)
     assert len(terms) <= 40 and len(set(terms)) == len(terms)
     assert _quoted('a" OR b') == '"a"" OR b"'
+
+
+@given(st.sampled_from(["How heavy is it", "Wie schwer bist du", "Which oil do I need"]), st.sampled_from(DEGREES))
+def test_how_exact_an_answer_is_to_be_is_no_subject(question: str, degree: str) -> None:
+    assert key_terms(f"{question} {degree}?") == key_terms(f"{degree} {question}?") == key_terms(f"{question}?")
 
 
 def test_threads_may_ask_at_once(any_library: Library) -> None:
