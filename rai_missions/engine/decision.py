@@ -19,7 +19,7 @@ from rai_missions.redaction import clipped
 
 __all__ = (
     "Answerer", "Evidence", "Limits", "Offer", "Proposal", "Question", "ReadsRun", "Verdict", "VerdictKind",
-    "VerdictNote", "check_answerers", "judge", "stale_verdict", "with_verdicts",
+    "VerdictNote", "check_answerers", "judge", "malformed", "stale_verdict", "with_verdicts",
 )  # fmt: skip
 
 
@@ -196,18 +196,23 @@ def judge(question: Question, proposal: Proposal, view: View, guards: Mapping[st
         view: The blackboard, configuration and time of this moment.
         guards: Option → its compiled guard; an option without one may always be taken.
     """
-    offered = {offer.name: offer for offer in question.options}
-    if proposal.option not in offered:
-        return Verdict(False, f"'{clipped(proposal.option, 60)}' was not offered; offered: {', '.join(offered)}")
-    why = _parameters(offered[proposal.option], proposal.parameters)
-    if why:
-        return Verdict(False, f"the parameters of '{proposal.option}' are not valid: {why}")
+    if why := malformed(question, proposal):
+        return Verdict(False, why)
     test = guards.get(proposal.option)
     value: Truth = True if test is None else test(view)
     if value is not True:
         truth = "no longer holds" if value is False else "is unknown now"
         return Verdict(False, f"the guard of '{proposal.option}' {truth}; choose another option")
     return Verdict(True)
+
+
+def malformed(question: Question, proposal: Proposal) -> str:
+    """Why a proposal is no answer to a question, whatever is known: its option, or its parameters; empty if it is."""
+    offered = {offer.name: offer for offer in question.options}
+    if proposal.option not in offered:
+        return f"'{clipped(proposal.option, 60)}' was not offered; offered: {', '.join(offered)}"
+    why = _parameters(offered[proposal.option], proposal.parameters)
+    return f"the parameters of '{proposal.option}' are not valid: {why}" if why else ""
 
 
 def _parameters(offer: Offer, given: Mapping[str, Any]) -> str:

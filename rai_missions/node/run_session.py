@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import NamedTuple
 
-from rai_missions.engine.decision import Question
+from rai_missions.engine.decision import Proposal, Question, malformed
 from rai_missions.engine.modes import Mode
 from rai_missions.engine.step import Ask, Step
 from rai_missions.errors import suggestion
@@ -202,12 +202,14 @@ class RunSession:
                 near = suggestion(order.event, posted)
                 return f"the robot profile lists no posted event '{cut(order.event, 60)}'{near}"
         if order.command == "answer":
-            return self._refuses_answer(order.question, order.run)
+            return self._refuses_answer(order)
         return ""
 
-    def _refuses_answer(self, number: int, run: str) -> str:
-        if run and run != self.runner.run_id:
-            return f"question {number} was asked in another run, {cut(run, 60)}; this is run {self.runner.run_id}"
+    def _refuses_answer(self, order: Command) -> str:
+        """Why an answer is none to its question: a slip of a person, which costs no attempt."""
+        number = order.question
+        if order.run and order.run != self.runner.run_id:
+            return f"question {number} was asked in another run, {cut(order.run, 60)}; this is run {self.runner.run_id}"
         with self._lock:
             question, still = self._asked.get(number), ", ".join(map(str, self._asked))
         if question is None:
@@ -215,7 +217,7 @@ class RunSession:
         state = self.runner.mission.state(question.state)
         if question.asked != "operator" and not any("operator" in each.ask for each in state.decisions().values()):
             return f"question {number} is not for the operator; it is asked of {question.asked}"
-        return ""
+        return malformed(question, Proposal(order.option, order.parameters))
 
     # -- the run --------------------------------------------------------------------------------------------------
 

@@ -119,7 +119,7 @@ def test_an_answer_to_a_question_of_another_run_is_refused_and_changes_nothing(b
     posted, replies = list[Event](), list[tuple[bool, str]]()
     run.runner.post = posted.append  # type: ignore[method-assign]
     name = {"its own": run.runner.run_id, "another": "0123456789ab"}.get(of, "")
-    order = {"command": "answer", "question": asked.question.number, "option": "yes", **({"run": name} if of else {})}
+    order = {"command": "answer", "question": asked.question.number, "option": "left", **({"run": name} if of else {})}
     if by_page:
         page = WebCommands(run.session, answers=True, note=print)
         page.submit(json.dumps(order), lambda success, why: replies.append((success, why)))
@@ -129,3 +129,24 @@ def test_an_answer_to_a_question_of_another_run_is_refused_and_changes_nothing(b
         run.session.submit(read, lambda reply: replies.append((reply.success, reply.why)))
     assert len(posted) == (of != "another")
     assert not replies or "was asked in another run, 0123456789ab" in replies[0][1]
+
+
+@given(
+    st.sampled_from(["left", "right"]) | st.text(max_size=9),
+    st.dictionaries(st.text(max_size=5), st.none() | st.booleans(), max_size=2),
+)
+def test_an_answer_that_is_none_to_its_question_is_refused_as_the_engine_would_and_costs_no_attempt(
+    option: str, parameters: dict[str, Any]
+) -> None:
+    run, posted, replies = AskingRun(), list[Event](), list[CommandReply]()
+    run.send("ask")
+    (asked,) = run.session.questions()
+    run.runner.post = posted.append  # type: ignore[method-assign]
+    number = asked.question.number
+    run.session.submit(Command("answer", question=number, option=option, parameters=parameters), replies.append)
+    assert run.session.questions()[0].question.number == number
+    if not posted:
+        verdict = run.chart.propose(number, option, parameters, by="operator").verdict
+        assert verdict is not None and (verdict.accepted, verdict.why) == (False, replies[0].why)
+    else:
+        assert run.chart.propose(number, option, parameters, by="operator").verdict.accepted  # type: ignore[union-attr]

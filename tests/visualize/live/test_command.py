@@ -158,7 +158,10 @@ def test_the_operator_answers_what_is_asked_and_the_run_continues(watched: Calla
     status, why = one.order(command="answer", question=question["number"], option="up")
     assert status == 409
     assert "'up' was not offered; offered: left, right" in why
-    until(lambda: not viewer.seen["questions"] or viewer.seen["questions"][0]["number"] != question["number"], "again")
+    status, why = one.order(command="answer", question=question["number"], option="left", parameters={"far": True})
+    assert (status, why) == (409, "the parameters of 'left' are not valid: 'left' takes none")
+    assert one.asked(viewer)["number"] == question["number"], "a slip leaves the question open"
+    assert one.order(command="answer", question=question["number"], option="right") == (200, "")
     stale = one.order(command="answer", question=question["number"], option="left")
     assert stale[0] == 409 and f"question {question['number']} is not open" in stale[1]
     viewer.cut()
