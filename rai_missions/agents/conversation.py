@@ -98,6 +98,7 @@ class ConversationalAgent:
         self._model, self._doors, self._robot, self._start = model, TalkDoors(doors), robot, start
         began = time.monotonic()
         self._now = now or (lambda: time.monotonic() - began)
+        self._opened_at = self._now()
         self._dialogue = Dialogue(self._settings, StatusView())
         self._grammar = Grammar(language(settings.language))
         self._worker = Worker("conversation", on_error=self._failed)
@@ -218,6 +219,7 @@ class ConversationalAgent:
         author: str = "",
         readings: tuple[str, ...] = (),
         message_id: str = "",
+        waited_s: float = 0.0,
     ) -> str:
         """A person's sentence, from any thread; why it is not taken, or empty. A secret in it is hidden here.
 
@@ -228,6 +230,7 @@ class ConversationalAgent:
             author: A free name.
             readings: Of a spoken one each recogniser's transcription.
             message_id: The message's, if it has one.
+            waited_s: For how long it has waited at the door: it is no answer to what was shown meanwhile.
         """
         if len(text) > LONGEST:  # no rule reads the rest
             return f"a sentence has at most {LONGEST} characters, not {len(text)}"
@@ -240,8 +243,8 @@ class ConversationalAgent:
             if self._waiting >= MOST_WAITING and not self.is_stop(text):
                 return f"{MOST_WAITING} sentences wait already; speak again in a moment"
             self._waiting += 1
-        words = tuple(map(redacted, readings))
-        sentence = Utterance(redacted(text), role, channel, cut(author, LONGEST_NAME), self._now(), words, message_id)
+        words, at = tuple(map(redacted, readings)), max(self._opened_at, self._now() - waited_s)
+        sentence = Utterance(redacted(text), role, channel, cut(author, LONGEST_NAME), at, words, message_id)
         if self.after_all(partial(self._take, sentence)):
             return ""
         with self._lock:

@@ -8,6 +8,7 @@ next.
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import time
 
@@ -36,6 +37,8 @@ class LineReader:
 
     def __init__(self, fd: int) -> None:
         self.fd = fd
+        self.came_at = -math.inf
+        """When the last line came, at the earliest: the end of the last wait for any of it, on `time.monotonic`."""
         self._woken, self._waker = os.pipe()
         os.set_blocking(self._woken, False)
         os.set_blocking(self._waker, False)
@@ -73,7 +76,10 @@ class LineReader:
             left = until - time.monotonic()
             if left <= 0:
                 return None
-            ready = readable(self.fd, self._woken, within_s=left)
+            ready = readable(self.fd, self._woken, within_s=0.0)
+            if not ready:
+                ready = readable(self.fd, self._woken, within_s=left)
+                self.came_at = time.monotonic()
             if self.fd in ready:  # first, so that a line that has begun to come is not left there in halves
                 byte = self._byte()
                 if not byte and not typed:

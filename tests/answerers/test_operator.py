@@ -353,6 +353,25 @@ def test_the_last_line_needs_no_end() -> None:
     os.close(reading)
 
 
+def test_a_line_that_was_there_unasked_came_before_the_last_wait_ended() -> None:
+    reading, writing = os.pipe()
+    os.write(writing, b"ahead\nalso ahead\n")
+    reader = LineReader(reading)
+    for _ in range(2):
+        reader.line(math.inf)
+        assert reader.came_at == -math.inf, "it may have come at any time"
+    asked_at = time.monotonic()
+    assert reader.line(asked_at + 0.01) is None
+    ended_at = time.monotonic()
+    os.write(writing, b"later\nwith it\n")
+    for _ in range(2):
+        reader.line(math.inf)
+        assert asked_at <= reader.came_at <= ended_at
+    reader.close()
+    os.close(writing)
+    os.close(reading)
+
+
 def test_a_program_with_many_files_reads_a_terminal(many_files: None) -> None:
     person, terminal = os.openpty()
     reader = LineReader(terminal)

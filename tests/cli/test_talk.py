@@ -11,7 +11,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -248,6 +248,42 @@ def test_after_a_run_that_did_not_succeed_a_request_begins_by_a_yes_alone(
     assert mission.with_name("errand-2.journal").exists() == (runs == 2)
 
 
+def confirmed(command: Sequence[str | Path], typed: str) -> subprocess.CompletedProcess[str]:
+    """Run a program to its end, which receives lines at its start, and a yes each time that it asks for one."""
+    program = subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert program.stdin and program.stdout and program.stderr
+    with program, program.stdin as keys:
+        keys.write(typed)
+        keys.flush()
+        shown = ""
+        while "Order taken" not in shown and (line := program.stdout.readline()):
+            shown += line
+            if "Is that right?" in line:
+                keys.write("yes\n")
+                keys.flush()
+        keys.close()
+        shown += program.stdout.read()
+        errors = program.stderr.read()
+    return subprocess.CompletedProcess(command, program.wait(PATIENCE_S), shown, errors)
+
+
+@pytest.mark.long
+def test_a_yes_that_was_piped_before_the_order_was_read_back_confirms_nothing(mission: Path) -> None:
+    mission.write_text(json.dumps(COUNTING))
+    command = [PROGRAM, "run", mission, "--talk", "--robot", profile(mission, begins="ready")]
+    result = subprocess.run(
+        command,
+        input="start with rounds 2\nyes\nyes\n",
+        text=True,
+        capture_output=True,
+        timeout=PATIENCE_S,
+        check=False,
+    )
+    assert result.stdout.count("Is that right?") == 3 and "Order taken" not in result.stdout, result
+
+
 @pytest.mark.long
 def test_who_pipes_the_orders_of_a_run_that_waits_has_it_started_and_ended(mission: Path) -> None:
     mission.write_text(json.dumps(COUNTING))
@@ -265,7 +301,8 @@ def test_who_pipes_the_orders_of_a_run_that_waits_has_it_started_and_ended(missi
         assert result.returncode == 1, result
         return result.stdout
 
-    assert "'errand' was aborted" in run(1, "start with rounds 2\nyes\n")
+    started = confirmed([*command, mission.with_suffix(".1")], "start with rounds 2\n")
+    assert "'errand' was aborted" in started.stdout and started.returncode == 1, started
     assert "canceled by operator (end of input)" in run(2, "")
     assert "robot: Stop." in run(3, "stop"), "a last line without an end is lost"
 
@@ -278,14 +315,7 @@ def test_a_run_that_was_killed_before_its_start_waits_for_it_again(mission: Path
         screen.until("waits for the order to start")
         screen.program.kill()
     journal = mission.with_suffix(".journal")
-    resumed = subprocess.run(
-        [PROGRAM, "run", "--talk", "--resume", journal],
-        input="what are you doing?\nstart\nyes\n",
-        text=True,
-        capture_output=True,
-        timeout=PATIENCE_S,
-        check=False,
-    )
+    resumed = confirmed([PROGRAM, "run", "--talk", "--resume", journal], "what are you doing?\nstart\n")
     assert "is ready to start" in resumed.stdout and "done := 2" in resumed.stdout, resumed
     assert (
         "Again: The mission 'errand' is ready" in resumed.stdout

@@ -155,9 +155,9 @@ class TalkSession:
         """Where a sentence may come from."""
         self._is_typed_at, self._is_watched = is_typed_at, is_watched
 
-    def type(self, text: str) -> str:
-        """A line that is written on the terminal; why it is not taken, or empty."""
-        return self._agent.receive(text, role="operator", channel="terminal")
+    def type(self, text: str, waited_s: float) -> str:
+        """A line that is written on the terminal, and how long ago it came; why it is not taken, or empty."""
+        return self._agent.receive(text, role="operator", channel="terminal", waited_s=waited_s)
 
     def wait_answered(self) -> None:
         """Wait until what was taken is answered, or for as long as an answer may take that needs no model."""

@@ -13,6 +13,7 @@ import os
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, NamedTuple, TextIO
@@ -24,6 +25,7 @@ from rai_missions.agents.talk.doors import TalkLine
 from rai_missions.answerers.terminal_input import LineReader
 from rai_missions.cli.live_terminal import STYLES
 from rai_missions.cli.progress import Lines, Tone, trimmed
+from rai_missions.connectors.readable import readable
 from rai_missions.mission.mission import Mission
 from rai_missions.plain_data import printable
 
@@ -31,7 +33,8 @@ __all__ = ("LineInput", "TalkLines", "TypedLines", "line_words", "open_typing")
 
 WAYS = {"rules": "robot", "model": "robot, the model thinks", "documents": "robot, quoting", "unknown": "robot"}
 UNHEARD = {"cut": " (interrupted)", "failed": " (not spoken)"}
-TakeLine = Callable[[str], str]
+TakeLine = Callable[[str, float], str]
+"""Takes a line, and how many seconds ago it came at the earliest; why it does not, or empty."""
 
 
 def line_words(line: TalkLine) -> str:
@@ -98,7 +101,6 @@ class TypedLines(NamedTuple):
     """Where typed lines go."""
 
     receive: TakeLine
-    """Takes a line; why it does not, or empty."""
     refuse: Callable[[str], object]
     """Shows why a line was not taken."""
     on_end: Callable[[], object]
@@ -118,6 +120,8 @@ class LineInput:
         self._to = to
         self._thread = threading.Thread(target=self._work, name="typing", daemon=True)
         self._is_over = False
+        self._came_at = -math.inf
+        """When the last line came, at the earliest."""
 
     def start(self) -> None:
         self._thread.start()
@@ -135,7 +139,8 @@ class LineInput:
     def _work(self) -> None:
         try:
             while not self._is_over and (text := self._line()) is not None:
-                if text.strip() and (why := self._to.receive(text.strip())):
+                waited_s = time.monotonic() - self._came_at
+                if text.strip() and (why := self._to.receive(text.strip(), waited_s)):
                     self._to.refuse(why)
         except (EOFError, OSError, ValueError):
             return
@@ -149,7 +154,7 @@ class LineInput:
 class PlainInput(LineInput):
     """Whole lines from a terminal or a pipe, edited by the terminal itself.
 
-    A pipe holds a script: each of its lines is read once the one before is answered. A person's is read as it is typed.
+    A pipe holds a script: each of its lines is taken once the one before is answered. A person's is taken at once.
     """
 
     def __init__(self, to: TypedLines, fd: int) -> None:
@@ -161,9 +166,11 @@ class PlainInput(LineInput):
         self._reader.wake()
 
     def _line(self) -> str | None:
+        text = self._reader.line(math.inf)
+        self._came_at = self._reader.came_at
         if self._is_script:
             self._to.wait_answered()
-        return self._reader.line(math.inf)
+        return text
 
 
 class EditedInput(LineInput):
@@ -195,11 +202,22 @@ class EditedInput(LineInput):
             super()._work()
 
     def _line(self) -> str | None:
+        is_ahead, began_at = self._is_typed_ahead(), self._came_at
         try:
-            return str(self._session.prompt(handle_sigint=False))
+            text = str(self._session.prompt(handle_sigint=False))
+            self._came_at = began_at if is_ahead else time.monotonic()
+            return text
         except KeyboardInterrupt:  # the key arrives here, and means the program
             os.kill(os.getpid(), signal.SIGINT)
             return ""
+
+    def _is_typed_ahead(self) -> bool:
+        """Whether keys were pressed before the line is asked for: it may be no answer to what was shown meanwhile."""
+        from prompt_toolkit.input.typeahead import get_typeahead, store_typeahead
+
+        keys = get_typeahead(self._session.input)
+        store_typeahead(self._session.input, keys)
+        return bool(keys or readable(self._session.input.fileno(), within_s=0.0))
 
 
 def _end_of_input(event: Any) -> None:
