@@ -253,9 +253,12 @@ def _check_takes(what: str, function: Any, *words: str) -> None:
     if not callable(function):
         raise UsageError(f"{what}: {cut_repr(function, 60)} is no function")
     try:
-        inspect.signature(function).bind(*words)
-    except TypeError:
-        wanted = f"({', '.join(words)})"
-        raise UsageError(f"{what}: '{getattr(function, '__name__', 'it')}' is called with {wanted}") from None
+        signature = inspect.signature(function)
     except ValueError:  # a builtin without a signature
         return
+    try:
+        signature.bind(*words)
+    except TypeError:
+        name, wanted = getattr(function, "__name__", "it"), f"({', '.join(words)})"
+        remedy = f"; write def {name}{wanted}" if name.isidentifier() else ""
+        raise UsageError(f"{what}: '{name}' takes {signature}, and is called with {wanted}{remedy}") from None

@@ -468,14 +468,21 @@ def test_a_fact_whose_first_reading_does_not_return_is_named(
 # -- what a robot is made of -------------------------------------------------------------------------------------------
 
 
+def drive_home(goal):  # type: ignore[no-untyped-def]
+    """Of an author who annotates nothing."""
+
+
 @pytest.mark.parametrize(
     ("make", "sentence"),
     [
         (lambda r: r.fact("Battery"), "'Battery' is no name"),
         (lambda r: r.action(test_a_robot_is_in_one_run_at_a_time), "write @robot.action('test_a_robot"),
         (lambda r: (r.service("horn")(lambda q: None), r.service("horn")), "service 'horn' has a function already"),
-        (lambda r: r.action("drive")(lambda goal: None), "action 'drive': '<lambda>' is called with (goal, run)"),
-        (lambda r: r.fact("x")(lambda a: None), "fact 'x': '<lambda>' is called with ()"),
+        (
+            lambda r: r.action("drive")(lambda goal: None),
+            "action 'drive': '<lambda>' takes (goal), and is called with (goal, run)",
+        ),
+        (lambda r: r.fact("x")(drive_home), "'drive_home' takes (goal), and is called with (); write def drive_home()"),
         (lambda r: r.service("horn")(7), "service 'horn': 7 is no function"),
         (lambda r: r.fact("x", every_s=0), "every_s is a number of seconds above 0, not 0"),
         (lambda r: r.fact("x", every_s="0.5"), "every_s is a number of seconds above 0, not '0.5'"),
