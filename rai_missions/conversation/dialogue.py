@@ -121,7 +121,7 @@ class Dialogue:
         """
         self._begin(at)
         self._follow(view)
-        self._orders.await_earlier(answers)
+        self._orders.given.await_earlier(answers)
         return self._end()
 
     def on_last_run(self, at: float) -> tuple[Output, ...]:
@@ -159,7 +159,7 @@ class Dialogue:
     def on_order_end(self, end: OrderEnd) -> tuple[Output, ...]:
         """An order was carried out, or refused by what should do so."""
         self._begin(end.at)
-        self._orders.on_order_end(end)
+        self._orders.given.on_end(end)
         return self._end()
 
     def on_speaker(self, *, is_alive: bool, at: float) -> tuple[Output, ...]:

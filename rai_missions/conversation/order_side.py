@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Orders on their way to the run: judged, read back, confirmed, given out, or kept for the next run.
 
-Rule: this is the only place that gives out an `Order`; whatever leads to one passes `take`, `stop` or `decide`.
+Rule: whatever leads to an order that is given out passes `take`, `stop` or `decide`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 from rai_missions.conversation.confirmation import OrderConfirmation
-from rai_missions.conversation.inputs import LONGEST, OrderEnd, SpeechEnd, Utterance
+from rai_missions.conversation.given_orders import STOPPING, GivenOrders
+from rai_missions.conversation.inputs import LONGEST, SpeechEnd, Utterance
 from rai_missions.conversation.language import spoken
 from rai_missions.conversation.order_rules import (
     TWO_NEEDED,
@@ -23,9 +24,8 @@ from rai_missions.conversation.order_rules import (
     why_not_permitted,
 )
 from rai_missions.conversation.order_words import order_words
-from rai_missions.conversation.outputs import Mapper, Order
+from rai_missions.conversation.outputs import Mapper
 from rai_missions.conversation.request_queue import JudgedOrder, RequestQueue, order_data
-from rai_missions.conversation.run_words import state_of_run
 from rai_missions.conversation.senses import STOP, Sense, joined
 from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.talk import Talk
@@ -33,18 +33,7 @@ from rai_missions.conversation.values import capital
 from rai_missions.conversation.view import StatusView
 from rai_missions.redaction import cut
 
-__all__ = ("SPEAKERS", "EarlierOrder", "OrderSide", "remember")
-
-K = TypeVar("K")
-V = TypeVar("V")
-REMEMBERED, SPEAKERS = 10, 100
-"""Orders of one speaker that it can ask about, and orders under way; speakers that are remembered."""
-STARTING_S = 30.0
-"""Seconds that an ordered start may take until the run is seen; then the next request is possible."""
-LONGEST_REASON = 200
-"""Characters of a reason that is spoken."""
-STOPPING = frozenset({"stop", "pause", "cancel"})
-"""Orders after which the mission does not continue by itself."""
+__all__ = ("EarlierOrder", "OrderSide")
 
 
 class EarlierOrder(NamedTuple):
@@ -65,17 +54,13 @@ class OrderSide:
 
     def __init__(self, talk: Talk, speaking: SpeechSide) -> None:
         self._talk, self._speaking = talk, speaking
-        self._count = 0
+        self.given = GivenOrders(talk, speaking)
+        """What was given out."""
         self.taken: EarlierOrder | None = None
         """The start that was taken last."""
         self._requests = RequestQueue(talk, speaking)
         self.confirmation = OrderConfirmation(talk, speaking, self._requests)
-        self._under_way: dict[int, JudgedOrder] = {}
-        self._ordered: dict[tuple[str, str], tuple[str, ...]] = {}
-        self._starts: dict[tuple[str, str], Sense] = {}
-        """Speaker → the last start that it ordered."""
         self._ended_run: str | None = talk.view.run if talk.view.has_ended else None
-        self._starting_until = self._taking_until = float("-inf")
         self._is_last = False
         """No run follows the one that there is."""
 
@@ -86,14 +71,6 @@ class OrderSide:
         """The requests that wait, in words."""
         return self._requests.words
 
-    def ordered_by(self, speaker: tuple[str, str]) -> tuple[str, ...]:
-        """The last orders of a speaker that were given out, in words, oldest first."""
-        return self._ordered.get(speaker, ())
-
-    def last_start_of(self, speaker: tuple[str, str]) -> Sense | None:
-        """The last start that a speaker ordered."""
-        return self._starts.get(speaker)
-
     def speak_nothing(self, utterance: Utterance) -> None:
         """That there is nothing to confirm, and which requests wait."""
         language, text = self._talk.language, self._talk.language.text("nothing_to_confirm")
@@ -101,12 +78,6 @@ class OrderSide:
             waiting = language.text("queued", requests=language.listed(self._requests.words))
             text = f"{text} {waiting} {language.text('queued_more')}"
         self._speaking.answer(text, utterance)
-
-    @property
-    def stopping_by(self) -> str:
-        """Who gave an order to stop, pause or cancel that the run has not taken yet; empty where there is none."""
-        stopping = (each for each in self._under_way.values() if each.sense.name in STOPPING)
-        return next((each.utterance.by for each in stopping), "")
 
     # -- orders --------------------------------------------------------------------------------------------------------
 
@@ -124,7 +95,7 @@ class OrderSide:
             return False
         language, view = self._talk.language, self._talk.view
         words, is_idle = language.text("order_stop"), not view.is_alive
-        self._put(JudgedOrder(STOP, utterance, "grammar", words, is_reported=is_idle))
+        self.given.put(JudgedOrder(STOP, utterance, "grammar", words, is_reported=is_idle))
         self._speaking.silence(is_total=True)
         asked = self.confirmation.request
         self.confirmation.void("stop", by_speaker=utterance.speaker)
@@ -175,7 +146,7 @@ class OrderSide:
             self._settle(judged)
 
     def _is_request(self, sense: Sense) -> bool:
-        is_starting = sense.name == "start" and self._talk.now < self._starting_until
+        is_starting = sense.name == "start" and self.given.is_starting
         return is_starting or is_request(sense, self._talk.view)
 
     def _is_impossible(self, judged: JudgedOrder) -> bool:
@@ -193,7 +164,7 @@ class OrderSide:
                 self._refuse(judged, form, count=self._requests.starts, order=judged.words)
             return bool(form)
         why = why_not_now(sense, self._talk.view, self._talk.language)
-        if why and sense.name == "resume" and self.stopping_by:
+        if why and sense.name == "resume" and self.given.stopping_by:
             why = self._talk.language.text("why_stopping")
         if why:
             self._refuse(judged, "not_now", why=why.rstrip("."))
@@ -228,48 +199,9 @@ class OrderSide:
             self._put_and_reply(judged)
 
     def _put_and_reply(self, judged: JudgedOrder) -> None:
-        self._put(judged)
+        self.given.put(judged)
         values = {"order": judged.words, "option": spoken(judged.sense.option)}
         self._speaking.reply(f"done_{judged.sense.name}", judged.utterance, **values)
-
-    def _put(self, judged: JudgedOrder) -> None:
-        """Give the order out."""
-        self._count += 1
-        self._taking_until = self._talk.now + STARTING_S
-        sense, utterance = judged.sense, judged.utterance
-        if sense.name == "start":
-            self._starting_until = self._talk.now + STARTING_S
-            remember(self._starts, utterance.speaker, sense, SPEAKERS)
-        remember(self._under_way, self._count, judged, REMEMBERED)
-        orders = (*self.ordered_by(utterance.speaker), judged.words)[-REMEMBERED:]
-        remember(self._ordered, utterance.speaker, orders, SPEAKERS)
-        self._talk.note(
-            "ordered",
-            order_number=self._count,
-            number=utterance.number,
-            order=order_data(sense),
-            role=utterance.role,
-            mapper=judged.mapper,
-            confirmed=judged.confirmed,
-        )
-        self._talk.put(
-            Order(
-                number=self._count,
-                name=sense.name,  # type: ignore[arg-type]
-                role=utterance.role,
-                channel=utterance.channel,
-                author=utterance.author,
-                mission=sense.mission,
-                arguments=dict(sense.arguments),
-                question=sense.question,
-                option=sense.option,
-                parameters=dict(sense.parameters),
-                mapper=judged.mapper,
-                sentence=cut(utterance.text, LONGEST),
-                confirmed=judged.confirmed,
-                at=self._talk.now,
-            )
-        )
 
     # -- confirmations -------------------------------------------------------------------------------------------------
 
@@ -325,13 +257,13 @@ class OrderSide:
         pending = self.confirmation.order
         self.confirmation.follow(may_begin=pending is not None and self._has_become_possible(pending))
         if view.is_alive and before.is_before_start and not view.is_before_start:
-            self._starting_until = float("-inf")
+            self.given.end_starting()
         if view.is_alive and view.run != before.run:
-            self._starting_until = float("-inf")
+            self.given.end_starting()
             self._requests.note_any()  # in the journal of the run that is new
         if view.has_ended and view.run != self._ended_run:
             self._ended_run = view.run
-            self._starting_until = float("-inf")
+            self.given.end_starting()
 
     def _has_become_possible(self, sense: Sense) -> bool:
         """Whether it is a start that may begin now: the mission that ran when it was read back is over."""
@@ -357,12 +289,12 @@ class OrderSide:
     @property
     def _is_free(self) -> bool:
         """Whether no mission is about to begin, and no one is asked for an order."""
-        return self.confirmation.order is None and self._talk.now >= self._starting_until
+        return self.confirmation.order is None and not self.given.is_starting
 
     def _is_due(self, order: JudgedOrder) -> bool:
         """Whether an order that is no start is possible, or has waited for that as long as it may."""
         view, is_possible = self._talk.view, not why_not_now(order.sense, self._talk.view, self._talk.language)
-        return is_possible or not view.is_alive or self._talk.now >= self._taking_until
+        return is_possible or not view.is_alive or self._talk.now >= self.given.taking_until
 
     def _next_order(self) -> None:
         """An order that follows another one is given out; to resume after a pause needs a yes of its own."""
@@ -399,37 +331,7 @@ class OrderSide:
             self.confirmation.read_back(request, is_request=True)
             return
         self._speaking.speak(self._talk.language.text("request_begins", order=request.words), priority="question")
-        self._put(request)
-
-    def on_order_end(self, end: OrderEnd) -> None:
-        """What became of an order; a refusal is reported."""
-        judged = self._under_way.pop(end.number, None)
-        if judged is None:
-            return
-        why = cut(end.refused, LONGEST_REASON)
-        self._talk.note("performed", order_number=end.number, order=judged.sense.name, refused=why)
-        if why:
-            self._taking_until = float("-inf")
-        if why and judged.sense.name == "start":
-            self._starting_until = float("-inf")
-        if why and not judged.is_reported:
-            words = self._reason(end, judged.sense, why)
-            self._speaking.reply("refused", judged.utterance.unnumbered, order=judged.words, why=words.rstrip("."))
-
-    def _reason(self, end: OrderEnd, sense: Sense, why: str) -> str:
-        """A refusal in the language of the conversation."""
-        language, name = self._talk.language, spoken(end.name or sense.option)
-        state = state_of_run(self._talk.view, language)
-        return language.text(f"refused_{end.kind or 'other'}", why=why, state=state, name=name)
-
-    def await_earlier(self, answers: Sequence[Order]) -> None:
-        """Report, to every channel, if one of these answers is refused, which a program before this one gave out."""
-        talk = self._talk
-        for order in answers:
-            sense = Sense("order", "answer", question=order.question, option=order.option, parameters=order.parameters)
-            utterance = Utterance("", order.role, order.channel, order.author, talk.now)
-            words = order_words(sense, talk.view, talk.spoken_starts, talk.language)
-            self._under_way[order.number] = JudgedOrder(sense, utterance, order.mapper, words)
+        self.given.put(request)
 
     def lose(self, requests: Sequence[str], run: str) -> None:
         """These waited in a program of this run that was killed, in words: that they are lost is reported."""
@@ -452,7 +354,7 @@ class OrderSide:
 
     def wake_at(self) -> float | None:
         """When a confirmation expires, or an order that waits for its turn."""
-        first, until = self._requests.first, self._taking_until
+        first, until = self._requests.first, self.given.taking_until
         is_waiting = first is not None and not first.is_start and until > self._talk.now
         times = (self.confirmation.wake_at(), until if is_waiting else None)
         return min((at for at in times if at is not None), default=None)
@@ -461,11 +363,3 @@ class OrderSide:
 def _is_locked(view: StatusView) -> bool:
     """Whether the run is over by an e-stop: no other begins until an operator has taken control."""
     return view.has_ended and view.control == "nobody"
-
-
-def remember(known: dict[K, V], key: K, value: V, most: int) -> None:
-    """Note what is newest, and forget what is older than so many others."""
-    known.pop(key, None)
-    known[key] = value
-    for old in list(known)[:-most]:
-        del known[old]

@@ -12,13 +12,14 @@ from typing import Literal
 from rai_missions.conversation.confirmation import CROSSING_S
 from rai_missions.conversation.corrections import Draft
 from rai_missions.conversation.document_side import DocumentSide
+from rai_missions.conversation.given_orders import LONGEST_REASON, SPEAKERS, remember
 from rai_missions.conversation.grammar import Grammar
 from rai_missions.conversation.inputs import Utterance
 from rai_missions.conversation.language import spoken
 from rai_missions.conversation.model_side import ModelSide
 from rai_missions.conversation.names import option_place
 from rai_missions.conversation.order_rules import forbidden, is_request, may, must_confirm, why_not_now
-from rai_missions.conversation.order_side import LONGEST_REASON, SPEAKERS, EarlierOrder, OrderSide, remember
+from rai_missions.conversation.order_side import EarlierOrder, OrderSide
 from rai_missions.conversation.outputs import TalkTurn
 from rai_missions.conversation.senses import Sense, is_fault, joined
 from rai_missions.conversation.settings import ORDERS
@@ -350,7 +351,7 @@ class SentenceSide:
 
     def _again(self, utterance: Utterance, agreeing: int | None) -> None:
         """The speaker's last start, read back; where there is none, or one is asked about, what was spoken."""
-        last = self._orders.last_start_of(utterance.speaker)
+        last = self._orders.given.last_start_of(utterance.speaker)
         if last is None or self._orders.confirmation.order is not None:
             self._answer(Sense("question", "repeat"), utterance)
         else:
@@ -370,10 +371,10 @@ class SentenceSide:
     def _asker(self, utterance: Utterance) -> Asker:
         language, settings = self._talk.language, self._talk.settings
         names = tuple(language.word("order_names", each) for each in ORDERS if may(utterance.role, each, settings))
-        ordered = self._orders.ordered_by(utterance.speaker)
+        ordered = self._orders.given.ordered_by(utterance.speaker)
         last = next((each.text for each in reversed(self._talk.turns) if _is_spoken(each, utterance)), "")
         return Asker(
-            ordered, self._orders.waiting, names, self._orders.stopping_by, last, self._speaking.reports.last_end
+            ordered, self._orders.waiting, names, self._orders.given.stopping_by, last, self._speaking.reports.last_end
         )
 
 
