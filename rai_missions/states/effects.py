@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar, Self
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
+from rai_missions.errors import steps_of
 from rai_missions.guards.view import Operand, Site, View
 from rai_missions.model import (
     EventName,
@@ -39,6 +40,7 @@ __all__ = (
     "Raise",
     "Say",
     "Set",
+    "SetValue",
     "call_lines",
     "filled",
     "references",
@@ -61,12 +63,28 @@ class Effect(TaggedModel, family="effect"):
         return f"{self.words()} ({template_words(sent)})" if sent else self.words()
 
 
+def _in_one_piece(value: Json) -> Json:
+    """A constant, or a reference; a constant with a reference inside would be kept as it is written."""
+    for path, place in template_paths(value):
+        if inside := steps_of(place)[:-1]:
+            raise fault(
+                "set",
+                f"'{path}' is a reference inside a value; 'set' takes a constant, or a reference as a whole",
+                at=inside,
+            )
+    return value
+
+
+SetValue = Annotated[Json, TEMPLATE, AfterValidator(_in_one_piece)]
+"""What a `set` writes."""
+
+
 class Set(Effect, word="set"):
     """Writes a key of the mission: a value, another key's value, or its own plus a number."""
 
     set: Annotated[Name, Refers("key", "set")]
     """The key that is written."""
-    value: Annotated[Json, TEMPLATE] = None
+    value: SetValue = None
     """The value that it takes, or a reference to where the value is read."""
     from_: Path | None = Field(default=None, alias="from")
     """The key, or the field of an event or answer, whose value it takes."""

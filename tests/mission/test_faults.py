@@ -182,6 +182,11 @@ TRANSITION, ENTRY = "/states/a/transitions/0", "/states/a/entry/0"
         (entry(set="a", add="1"), f"{ENTRY}/add: '1' is not a number; write one, without quotes"),
         (entry(set="a", from_="b"), f"{ENTRY}/from_: an effect with 'set' has no 'from_'; did you mean 'from'?"),
         (entry(set="a"), f"{ENTRY}: 'set' takes one of value, from, add; this has 0"),
+        (
+            entry(set="a", value={"x": {"from": "event.x"}}),
+            f"{ENTRY}/value/x: 'event.x' is a reference inside a value;"
+            " 'set' takes a constant, or a reference as a whole",
+        ),
         (tree({"sequnce": []}), "/states/a/tree: no tree node is written ['sequnce']; did you mean 'sequence'?"),
         (
             tree({"retry": 1.5, "child": {"wait_s": 1}}),

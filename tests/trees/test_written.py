@@ -58,6 +58,7 @@ def test_python_and_json_state_the_same() -> None:
         ({"check": {"in": "s"}, "wait_s": 1}, "a tree node is one thing, this is 2: check, wait_s; keep one"),
         ({"parallel": [{"wait_s": 1}], "policy": [1]}, "'policy' names child 1; the children have the numbers 0 to 0"),
         ({"set": "n"}, "'set' takes one of value, from, add"),
+        ({"set": "n", "value": [{"from": "m"}]}, "'m' is a reference inside a value"),
         (
             {"decision": {"question": "?", "options": {"left": {}}}, "then": {"lft": {"wait_s": 1}}},
             "'then' has a subtree for 'lft', which is no option; did you mean 'left'?",

@@ -26,7 +26,7 @@ from rai_missions.model.references import TEMPLATE, KeyValue, Refers
 from rai_missions.states.action import GoalFields
 from rai_missions.states.call import CallFields
 from rai_missions.states.decision import BUDGET, Budget, DecisionSpec, Option, asked_apart
-from rai_missions.states.effects import Publish, Set
+from rai_missions.states.effects import Publish, Set, SetValue
 from rai_missions.states.tree.node import TreeNode
 
 __all__ = ("ActionLeaf", "CallLeaf", "CheckLeaf", "DecisionLeaf", "PublishLeaf", "SetLeaf", "WaitLeaf")
@@ -104,7 +104,7 @@ class SetLeaf(TreeNode, word="set"):
 
     set: Annotated[Name, Refers("key", "set")]
     """The key that is written."""
-    value: Annotated[Json, TEMPLATE] = None
+    value: SetValue = None
     """The value that it takes, or a reference to where the value is read."""
     from_: Path | None = Field(default=None, alias="from")
     """The key, or the field of an answer, whose value it takes."""
