@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The pure engine: functions over a program and a run's state, behind `Chart`; what an event does is a Step.
 
-Imports `guards`, `mission`, `planning` and `states`, and the modules of the root.
+Imports `guards`, `mission`, `model`, `planning` and `states`, and the modules of the root.
 """
 
 from rai_missions.engine.chart import Chart

@@ -16,14 +16,15 @@ from rai_missions.engine.nodes import Act, WriteAct, Written
 from rai_missions.engine.program import Program
 from rai_missions.engine.state import RunState, Trigger
 from rai_missions.engine.step import CallService, LogLine, PublishMessage, SayAloud
+from rai_missions.engine.templates import SentTemplate, unpublished
 from rai_missions.engine.timers import drop, next_number, set_timer
 from rai_missions.guards.view import Operand, Site
 from rai_missions.keys import Key, Stamped, type_error
 from rai_missions.plain_data import is_number
 from rai_missions.redaction import clipped
-from rai_missions.states.effects import Call, Drop, Effect, Log, Publish, Raise, Say, Set, filled
+from rai_missions.states.effects import Call, Drop, Effect, Log, Publish, Raise, Say, Set
 
-__all__ = ("act_of",)
+__all__ = ("act_of", "failed_call")
 
 LARGEST = 2**53
 """A whole number up to this can be added without a look at the sum: no run adds it so often that a sum is none."""
@@ -126,34 +127,53 @@ def _add(name: str, key: Key | None, amount: float) -> Act:
 
 
 def _raise(effect: Raise, site: Site) -> Act:
-    name, data, after_s, timer = effect.event, dict(effect.data), effect.after_s, effect.id
+    name, after_s, timer = effect.event, effect.after_s, effect.id
+    data = SentTemplate("data", effect.data, site)
 
     def at_once(program: Program, run: RunState) -> None:
-        run.draft.internal.append(Trigger(name, filled(data, run, site) if data else {}))
+        run.draft.internal.append(Trigger(name, data.fill(run).fields if effect.data else {}))
 
     def later(program: Program, run: RunState) -> None:
         assert after_s is not None
         control = program.graph.nodes[site.state].control if site.state else None
         key = ("raise", timer if timer is not None else run.order + 1)
-        set_timer(run, key, after_s, name, filled(data, run, site) if data else None, control)
+        set_timer(run, key, after_s, name, data.fill(run).fields if effect.data else None, control)
 
     return at_once if after_s is None else later
+
+
+def failed_call(run: RunState, service: str, why: str) -> Trigger:
+    """What an effect's call raises that has failed, or could not be sent."""
+    run.draft.notes.append(f"call of '{service}' failed: {why}")
+    return Trigger("call_failed", {"call": service, "why": why})
 
 
 def _performed(effect: Effect, site: Site) -> Act:
     """Effects that are carried out once the step is written down."""
     if isinstance(effect, Call):
-        service, request = effect.call, effect.request
+        service, request = effect.call, SentTemplate("request", effect.request, site)
 
         def call(program: Program, run: RunState) -> None:
+            fields, lack = request.fill(run)
+            if lack:
+                run.draft.internal.append(failed_call(run, service, lack))
+                return
             number = next_number(run)
             run.calls[number] = service
-            run.draft.effects.append(CallService(number, "", service, filled(request, run, site)))
+            run.draft.effects.append(CallService(number, "", service, fields))
 
         return call
     if isinstance(effect, Publish):
-        topic, message = effect.publish, effect.message
-        return lambda program, run: run.draft.effects.append(PublishMessage(topic, filled(message, run, site)))
+        topic, message = effect.publish, SentTemplate("message", effect.message, site)
+
+        def publish(program: Program, run: RunState) -> None:
+            fields, lack = message.fill(run)
+            if lack:
+                run.draft.notes.append(unpublished(topic, lack))
+            else:
+                run.draft.effects.append(PublishMessage(topic, fields))
+
+        return publish
     if isinstance(effect, Say):
         sentence = SayAloud(effect.say)
         return lambda program, run: run.draft.effects.append(sentence)

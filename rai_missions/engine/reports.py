@@ -5,12 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from rai_missions.engine.actions import failed_call
 from rai_missions.engine.decision import VerdictNote, stale_verdict
 from rai_missions.engine.hold import is_for_held
 from rai_missions.engine.macrostep import complete, react
 from rai_missions.engine.program import Program
 from rai_missions.engine.running import dispatch, poll
-from rai_missions.engine.state import RunState, Trigger, refuse
+from rai_missions.engine.state import RunState, refuse
 from rai_missions.engine.waiting import keep, report, trigger_of, wait_out_pause
 from rai_missions.event import Event, EventKind
 
@@ -47,9 +48,7 @@ def receive_report(program: Program, state: RunState, event: Event) -> None:
     if number in state.calls and event.kind == "result":
         service = state.calls.pop(number)
         if event.name != "succeeded":
-            why = str(event.data.get("why", event.name))
-            draft.notes.append(f"call of '{service}' failed: {why}")
-            react(program, state, Trigger("call_failed", {"call": service, "why": why}))
+            react(program, state, failed_call(state, service, str(event.data.get("why", event.name))))
         return
     if state.outcome is not None or not receive_answer(program, state, event):
         if not is_known:

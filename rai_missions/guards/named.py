@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Annotated, Any, ClassVar
+from collections.abc import Mapping
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
 from rai_missions.guards.analysis import Distinctions, Sources
 from rai_missions.guards.guard import Guard
+from rai_missions.guards.template import ValueTemplate
 from rai_missions.guards.view import Operand, Site, Test, Truth, View
 from rai_missions.model import Json, Name, Value
 from rai_missions.model.references import TEMPLATE, Refers, template_words
@@ -30,7 +31,7 @@ class Named(Guard, word="named"):
     def __init__(self, named: str, with_: Mapping[str, Value] = {}) -> None: ...
 
     def compile(self, site: Site) -> Test:
-        name, arguments = self.named, {key: _reading(value, site) for key, value in self.with_.items()}
+        name, arguments = self.named, ValueTemplate(self.with_, site)
         site.named.add(name)
         anything = Site(site.place, site.keys)  # it may look at any key, and is not shown one that is stale
         for key in site.keys:
@@ -39,8 +40,8 @@ class Named(Guard, word="named"):
         site.reads.add("*")
 
         def test(view: View) -> Truth:
-            given = {key: read(view) for key, read in arguments.items()}
-            return None if None in given.values() else view.named(name, given)
+            given, unknown = arguments.fill(view)
+            return None if unknown or not isinstance(given, Mapping) else view.named(name, given)
 
         return test
 
@@ -52,16 +53,3 @@ class Named(Guard, word="named"):
 
     def words(self) -> str:
         return f"{self.named}({template_words(self.with_)})"
-
-
-def _reading(template: Any, site: Site) -> Callable[[View], Any]:
-    """What gives an argument, each `{"from": path}` in it replaced by the value there; None where it is unknown."""
-    if isinstance(template, Mapping):
-        if set(template) == {"from"} and isinstance(template["from"], str):
-            return Operand(template["from"], site).read
-        parts = {name: _reading(item, site) for name, item in template.items()}
-        return lambda view: {name: read(view) for name, read in parts.items()}
-    if isinstance(template, list | tuple):
-        items = [_reading(item, site) for item in template]
-        return lambda view: [read(view) for read in items]
-    return lambda view: template

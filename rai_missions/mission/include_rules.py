@@ -14,7 +14,7 @@ from rai_missions.errors import DefinitionError, Fault, irregular, pointer, sugg
 from rai_missions.keys import Key, type_error
 from rai_missions.mission.mission import Mission
 from rai_missions.mission.option_parameters import listed_parameters
-from rai_missions.model.references import reference_word
+from rai_missions.model.references import reference_word, template_paths
 from rai_missions.redaction import shown
 from rai_missions.states import DecisionSpec, Include
 from rai_missions.states.transition import ANY_EVENT
@@ -116,6 +116,8 @@ def _key_faults(key: Key, given: Any, parent: Mission) -> Iterator[str]:
     if name is None:
         if key.source in ("robot", "answer"):
             yield f'a key of the {key.source} takes no value; share one of this mission\'s: {{"from": key}}'
+        elif any(template_paths(given)):
+            yield 'a reference inside a value is not followed; share a whole key: {"from": key}'
         elif why := type_error(key, given, written=True):
             is_key = isinstance(given, str) and given in parent.blackboard
             yield f'{why}; to share the key, write {{"from": "{given}"}}' if is_key else why

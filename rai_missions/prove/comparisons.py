@@ -20,7 +20,7 @@ from rai_missions.prove.parts import guards_in, parts, writes_in
 from rai_missions.states.action import GoalFields
 from rai_missions.states.call import CallFields
 from rai_missions.states.compound import Each
-from rai_missions.states.effects import Raise, Set, references
+from rai_missions.states.effects import Call, Raise, Set, references
 from rai_missions.states.tree.decorators import StatusToBlackboard
 
 __all__ = ("Comparisons",)
@@ -168,9 +168,9 @@ class Comparisons:
                 self._constant(f"{path}.{field}", inner)
 
     def _learn_sent(self, mission: Mission) -> None:
-        """A field that a goal or a request is sent with: without it the start is rejected."""
+        """A field that a goal or a request is sent with: without it the start is rejected, or the call has failed."""
         sent: list[Any] = [each.goal for each in parts(mission, GoalFields)]
-        sent += [each.request for each in parts(mission, CallFields)]
+        sent += [each.request for kind in (CallFields, Call) for each in parts(mission, kind)]
         self.fresh |= {path for path in references(sent) if path.partition(".")[0] in self.keys and "." in path}
 
     def _learn_raises(self, mission: Mission) -> None:

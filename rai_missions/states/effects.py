@@ -12,7 +12,6 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import AfterValidator, Field, model_validator
 
 from rai_missions.errors import steps_of
-from rai_missions.guards.view import Operand, Site, View
 from rai_missions.model import (
     EventName,
     Json,
@@ -42,7 +41,6 @@ __all__ = (
     "Set",
     "SetValue",
     "call_lines",
-    "filled",
     "references",
 )
 
@@ -226,14 +224,3 @@ def call_lines(word: str, sent: Mapping[str, Any], result: Mapping[str, str], ti
 def references(template: Any) -> Iterator[str]:
     """The paths that a template takes values from."""
     return (path for path, _ in template_paths(template))
-
-
-def filled(template: Any, view: View, site: Site) -> Any:
-    """A template with each `{"from": path}` replaced by the value there now; None where it is unknown."""
-    if reference_word(template) is not None:
-        return Operand(template["from"], site).read(view)
-    if isinstance(template, Mapping):
-        return {name: filled(item, view, site) for name, item in template.items()}
-    if isinstance(template, list | tuple):
-        return [filled(item, view, site) for item in template]
-    return template

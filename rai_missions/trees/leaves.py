@@ -10,6 +10,7 @@ from py_trees import composites
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from rai_missions.engine.templates import FilledTemplate
 from rai_missions.engine.trees.tick import Tick
 from rai_missions.guards.view import Test, View
 from rai_missions.keys import Key, type_error
@@ -110,7 +111,7 @@ class PublishBehaviour(TreeLeaf):
     """Publishes a message."""
 
     topic: str
-    message: Callable[[View], Mapping[str, Any]]
+    message: Callable[[View], FilledTemplate]
 
     def act(self) -> Status:
         self.round.published.append((self.topic, self.message(self.round.sight)))

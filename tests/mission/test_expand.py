@@ -320,6 +320,11 @@ IN_DOCK = "/states/dock/mission: in 'dock.json', "
             "/states/dock/with/tries: 'place' is of type 'pose', not 'integer'; share a key of that type",
         ),
         (
+            {"with": {"target": {"x": {"from": "place.x"}, "y": 0}}},
+            {},
+            '/states/dock/with/target: a reference inside a value is not followed; share a whole key: {"from": key}',
+        ),
+        (
             {"with": {"limit": "many"}},
             {},
             "/states/dock/with/limit: 'many' is not of type 'integer'; an integer is like 3",

@@ -19,11 +19,11 @@ from rai_missions.engine.activities.activity import (
     remembered,
 )
 from rai_missions.engine.step import CancelGoal, StartGoal
+from rai_missions.engine.templates import SentTemplate
 from rai_missions.event import Event
 from rai_missions.guards.guard import Guard
 from rai_missions.guards.view import Instant, Site, Test, View
 from rai_missions.states.action import GoalFields
-from rai_missions.states.effects import filled
 
 __all__ = ("GOAL_ENDS", "GoalActivity", "GoalMachine")
 
@@ -69,6 +69,7 @@ class GoalMachine(Machine):
         self.owner, self.site = owner, site
         self.achieved: Test | None = definition.achieved.compiled(site) if definition.achieved is not None else None
         self.settling_reads, self.settling_instants = site.watched, tuple(site.instants)
+        self.goal = SentTemplate("goal", definition.goal, site)
         composed = Site(site.place, site.keys, site.state)
         self.succeeded = succeeded.compiled(composed, True) if succeeded is not None else None
         self.failed = failed.compiled(composed, True) if failed is not None else None
@@ -84,10 +85,9 @@ class GoalMachine(Machine):
         if obstruction == "orphan" and not self.definition.over_orphan:
             why = "an earlier goal on the same resources never confirmed its end"
             return Turn(None, outcome=Outcome("rejected", why=why))
-        goal = filled(self.definition.goal, host.view, self.site)
-        unknown = sorted(name for name, value in goal.items() if value is None)
-        if unknown:
-            return Turn(None, outcome=Outcome("rejected", why=f"the goal's {', '.join(unknown)} is unknown"))
+        goal, lack = self.goal.fill(host.view)
+        if lack:
+            return Turn(None, outcome=Outcome("rejected", why=lack))
         number = host.open_goal(self.owner, self.definition.action, self.definition.cancel_s)
         return Turn(GoalActivity("sent", number), (StartGoal(number, self.owner, self.definition.action, goal),))
 

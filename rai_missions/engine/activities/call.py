@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 from rai_missions.engine.activities.activity import ActivityHost, Bench, Machine, Outcome, Turn, machine_of, remembered
 from rai_missions.engine.step import CallService
+from rai_missions.engine.templates import SentTemplate
 from rai_missions.event import Event
 from rai_missions.guards.view import Site
 from rai_missions.states.call import CallFields
-from rai_missions.states.effects import filled
 
 __all__ = ("REPLIES", "CallActivity", "CallMachine")
 
@@ -36,14 +36,14 @@ class CallMachine(Machine):
     """Calls one service."""
 
     def __init__(self, definition: CallFields, owner: str, site: Site) -> None:
-        self.definition, self.owner, self.site = definition, owner, site
+        self.definition, self.owner = definition, owner
+        self.request = SentTemplate("request", definition.request, site)
 
     def begin(self, host: ActivityHost) -> Turn:
         number = host.next_number()
-        request = filled(self.definition.request, host.view, self.site)
-        unknown = sorted(name for name, value in request.items() if value is None)
-        if unknown:
-            return Turn(None, outcome=Outcome("rejected", why=f"the request's {', '.join(unknown)} is unknown"))
+        request, lack = self.request.fill(host.view)
+        if lack:
+            return Turn(None, outcome=Outcome("rejected", why=lack))
         call = CallService(number, self.owner, self.definition.call, request, self.definition.timeout_s)
         return Turn(CallActivity(number), (call,))
 

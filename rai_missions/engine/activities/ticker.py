@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
 
+from rai_missions.engine.templates import FilledTemplate
 from rai_missions.guards.view import View
 from rai_missions.states.tree import TreeNode
 
@@ -64,7 +65,7 @@ class TickResult(NamedTuple):
     """Paths of the running leaves that the chart is to end, in order; they are ended before any is started."""
     writes: tuple[tuple[str, Any], ...] = ()
     """What `set` leaves wrote, in order; later nodes of the same tick have seen it."""
-    published: tuple[tuple[str, Mapping[str, Any]], ...] = ()
+    published: tuple[tuple[str, FilledTemplate], ...] = ()
     """Topic and message of each `publish` leaf."""
     trace: tuple[tuple[str, str, Status], ...] = ()
     """What was called, in order: (path, `initialise` | `update` | `terminate`, status), as py_trees orders them.

@@ -29,6 +29,7 @@ from rai_missions.engine.activities.ticker import Ticker, TickResult, TreeState
 from rai_missions.engine.activities.tree_rounds import Rounds
 from rai_missions.engine.decision import Question, VerdictNote
 from rai_missions.engine.step import Effect, PublishMessage
+from rai_missions.engine.templates import unpublished
 from rai_missions.event import Event
 from rai_missions.guards.view import View
 from rai_missions.states.state import State
@@ -278,8 +279,11 @@ class TreeMachine(Machine):
         draft.tree = ticked.state
         if ticked.writes:
             draft.write(host, ticked.writes, self.owner)
-        if ticked.published:
-            draft.effects += [PublishMessage(topic, message) for topic, message in ticked.published]
+        for topic, (fields, lack) in ticked.published:
+            if lack:
+                draft.notes.append(unpublished(topic, lack))
+            else:
+                draft.effects.append(PublishMessage(topic, fields))
         if ticked.ended:
             self._end(draft, ticked.ended, host)
         for path in ticked.started:

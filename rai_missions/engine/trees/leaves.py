@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
 from rai_missions.engine.activities.ticker import Status
+from rai_missions.engine.templates import FilledTemplate
 from rai_missions.engine.trees.deadline import DeadlineNode
 from rai_missions.engine.trees.node import FAILURE, INVALID, RUNNING, SUCCESS, CompiledNode
 from rai_missions.engine.trees.tick import Tick
@@ -112,7 +113,7 @@ class CompiledPublish(CompiledNode):
 
     __slots__ = ("message", "topic")
 
-    def __init__(self, topic: str, message: Callable[[View], Mapping[str, Any]]) -> None:
+    def __init__(self, topic: str, message: Callable[[View], FilledTemplate]) -> None:
         super().__init__()
         self.topic, self.message = topic, message
 

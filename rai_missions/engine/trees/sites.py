@@ -8,10 +8,11 @@ from typing import Any, NamedTuple
 
 from rai_missions.engine.activities.activity import GOALS
 from rai_missions.engine.activities.ticker import TreeState
+from rai_missions.engine.templates import FilledTemplate, SentTemplate
 from rai_missions.guards.view import Operand, Site, View
 from rai_missions.keys import Key
 from rai_missions.states import tree
-from rai_missions.states.effects import filled, references
+from rai_missions.states.effects import references
 
 __all__ = ("TreePlace", "added", "shifted")
 
@@ -47,9 +48,9 @@ class TreePlace(NamedTuple):
         read = Operand(source, site).read if source is not None else lambda view: effect.value
         return read if add is None else lambda view: added(read(view), add)
 
-    def message(self, node: tree.Publish, path: str) -> Callable[[View], Any]:
+    def message(self, node: tree.Publish, path: str) -> Callable[[View], FilledTemplate]:
         """What a `publish` publishes."""
-        return lambda view: filled(node.message, view, self.site(path, "message"))
+        return SentTemplate("message", node.message, self.site(path, "message")).fill
 
 
 def added(value: Any, add: float) -> Any:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.engine.activities.ticker import Status
+from rai_missions.engine.templates import FilledTemplate
 from rai_missions.guards.view import Test, Truth, View
 from rai_missions.keys import Stamped
 
@@ -69,7 +70,7 @@ class Tick:
     started: dict[str, None]
     ended: dict[str, None]
     writes: list[tuple[str, Any]]
-    published: list[tuple[str, Mapping[str, Any]]]
+    published: list[tuple[str, FilledTemplate]]
     trace: list[tuple[str, str, Status]]
     """What was called, where that is written down."""
     touched: list[Any]
