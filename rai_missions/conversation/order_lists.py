@@ -58,6 +58,7 @@ class OrderLists:
         data = self._language.data
         self._correcting = frozenset(data["correcting"])
         self._things = frozenset(data["thing_pronouns"]) - self._language.articles
+        self._there = sorted((each.split() for each in data["there"]), key=len, reverse=True)
         self._no_parts = [*self._language.joints, *([word] for word in data["going"])]
         """What joins two parts or begins one, `go` of `go find the cup`, and is none by itself."""
 
@@ -138,6 +139,25 @@ class OrderLists:
             found = self._grammar.senses(form, view)
             if found and all(sense.kind in ("order", "question") for sense in found):
                 return found
+        return ()
+
+    def placed(self, words: Sequence[str], view: StatusView, before: Sequence[str]) -> Part:
+        """What a part orders with the place that was named last for `there`: `wait there`; empty for nothing.
+
+        Args:
+            words: Of the part.
+            view: The run.
+            before: The words ahead of it.
+        """
+        found = (
+            (at, len(each)) for each in self._there for at in range(1, len(words)) if words[at:][: len(each)] == each
+        )
+        at, size = next(found, (0, 0))
+        place = next(self._grammar.places_in([before]), []) if size else []
+        for joint in self._language.data["place_joints"] if place else ():
+            sense = self._grammar.start_in([*words[:at], *joint.split(), *place, *words[at + size :]], view)
+            if sense is not None and not set(place).intersection(" ".join(self._grammar.open_texts(sense)).split()):
+                return (sense,)
         return ()
 
     def shortened(self, words: Sequence[str], view: StatusView, before: Sequence[str], *, is_whole: bool) -> Part:
@@ -224,7 +244,9 @@ class _Reading:
             return ()
         if place not in self._known:
             words, earlier = self._words[begin:end], self._words[slice(*whole)]
-            if not earlier:
+            if placed := self._lists.placed(words, self._view, self._words[:begin]):
+                self._known[place] = placed
+            elif not earlier:
                 self._known[place] = self._lists.part(words, self._view)
             elif self._lists.is_correction(words):
                 self._known[place] = ()

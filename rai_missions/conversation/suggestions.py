@@ -103,7 +103,7 @@ class Suggestions:
             sense: What it means.
             view: The run.
         """
-        read = {each.identity for each in sense.each}
+        read = {each.identity for each in (*sense.each, *([Sense("order", "pause")] if sense.is_stop else ()))}
         clauses = list(self._clauses(text)) if not self._language.may_quote(text) else []
         meant = [self._clause(words, view) for words in clauses]
         left = (

@@ -7,7 +7,7 @@ The oracle is the same dialogue, to which each order is given in a sentence of i
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import NamedTuple
 
 import pytest
@@ -222,6 +222,8 @@ OTHERWISE = {
         "could you go to the kitchen and find the cup?": ("kitchen", "cup"),
         "would you mind going to the kitchen and finding the cup": ("kitchen", "cup"),
         "it is late, go to the kitchen. We all wait. Find the cup": ("kitchen", "cup"),
+        "go to the kitchen and once you're there find the cup": ("kitchen", "cup"),
+        "find the cup, and when you have found it go back to your dock": ("cup", "home"),
         "go to the kitchen, then": ("kitchen",), "go to the kitchen, no, the study": ("study",),
     },
     "de": {
@@ -234,6 +236,7 @@ OTHERWISE = {
         "kannst du in die Küche fahren und die Tasse suchen?": ("kitchen", "cup"),
         "in die Küche fahrn und die Tasse suchn": ("kitchen", "cup"),
         "es ist spät, fahr in die Küche. Wir warten alle. Such die Tasse": ("kitchen", "cup"),
+        "fahr in die Küche und wenn du dort bist such die Tasse": ("kitchen", "cup"),
         "fahr in die Küche, dann": ("kitchen",),
     },
 }  # fmt: skip
@@ -316,3 +319,34 @@ def test_a_role_gives_a_list_only_where_it_may_give_each_of_its_orders(code: str
     asked = robot.types(f"{ORDERS[code]['cup']}, {ORDERS[code]['cancel']}", role)
     assert bool(asked) == (role == "operator")
     assert robot.steps == []
+
+
+THERE = {
+    "en": (
+        {"find {object} in {place}": {"task": "find"}, "look in {place}": {"task": "look"}},
+        "find the cup in the {}",
+    ),
+    "de": (
+        {"suche {object} in {place}": {"task": "find"}, "schau in {place}": {"task": "look"}},
+        "such die Tasse in der {}",
+    ),
+}
+LOOKS = {"en": ("look {}", "in the {}", ("there", "in there")), "de": ("schau {}", "in die {}", ("dort", "da"))}
+
+
+@pytest.mark.parametrize("code", languages())
+def test_there_is_the_place_that_was_named_last(code: str) -> None:
+    phrases, first = THERE[code]
+    look, placed, pronouns = LOOKS[code]
+    dialogue_settings = settings_in(code, phrases, PLACES[code]["place"])
+
+    def meant(text: str) -> list[object]:
+        outputs = Dialogue(dialogue_settings, IDLE).on_utterance(Utterance(text, "operator", "terminal", at=2.0), IDLE)
+        return [each.data["order"] for each in outputs if isinstance(each, TalkNote) and each.kind == "read_back"]
+
+    signs = [each for each in joints(code) if each.strip()]
+    for place, joint in product(PLACES[code]["place"], signs[::12]):
+        ahead = first.format(place)
+        whole = meant(f"{ahead}{joint}{look.format(placed.format(place))}")
+        for pronoun in pronouns:
+            assert meant(f"{ahead}{joint}{look.format(pronoun)}") == whole != [], (ahead, joint, pronoun)
