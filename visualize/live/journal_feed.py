@@ -64,7 +64,8 @@ class JournalFeed:
     def _beginning(self) -> RunScene:
         keys = self.mission.blackboard.items()
         initial = {name: (key.initial, 0.0) for name, key in keys if key.initial is not None}
-        return RunScene(board=initial | {name: (value, 0.0) for name, value in self.header.arguments.items()})
+        board = initial | {name: (value, 0.0) for name, value in self.header.arguments.items()}
+        return RunScene(board=board, keys=self.mission.blackboard)
 
     async def begin(self, wake: Callable[[], None]) -> RunScene:
         while not await asyncio.to_thread(self._read):

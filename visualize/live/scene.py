@@ -12,9 +12,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from rai_missions.engine.decision import Question
+from rai_missions.engine.known import known_from, migrated
 from rai_missions.engine.step import Ask, Handover, Step, Withdraw
 from rai_missions.event import is_e_stop, is_taken
 from rai_missions.image import Image
+from rai_missions.keys import Key
 from visualize.live.as_json import bounded, line, question_data
 from visualize.page.as_json import Json
 
@@ -52,6 +54,8 @@ class RunScene:
     """The active states."""
     board: dict[str, tuple[Any, float]] = field(default_factory=dict)
     """Key → value and stamp."""
+    keys: Mapping[str, Key] = field(default_factory=dict)
+    """Those of the mission."""
     questions: dict[int, Question] = field(default_factory=dict)
     """Those that are open, by their numbers."""
     closed: dict[str, dict[str, str]] = field(default_factory=dict)
@@ -97,10 +101,12 @@ class RunScene:
         if step.seq <= self.seq:
             return
         self.seq, self.at = step.seq, max(self.at, step.at)
-        for key, value in step.writes:
-            self._write(key, value, step.stamp_of(key))
+        for key, value, stamp in known_from(step, self.keys):
+            self._write(key, value, stamp)
         self._move(step)
         self._command(step)
+        if (was := migrated(step)) is not None:
+            self._migrate(was)
         self._ask(step)
         if step.outcome:
             self._end(step)
@@ -156,7 +162,10 @@ class RunScene:
 
     def _write(self, key: str, value: Any, stamp: float) -> None:
         entry = self.board.get(key)
-        if entry is None or entry[1] <= stamp:
+        if value is None:
+            self.board.pop(key, None)
+            self._written.add(key)
+        elif entry is None or entry[1] <= stamp:
             self.board[key] = (value, stamp)
             self._written.add(key)
 
@@ -185,6 +194,14 @@ class RunScene:
         elif was == "paused":
             self.paused_by = ""
             self._shift(step.at)
+
+    def _migrate(self, was: Mapping[str, Any]) -> None:
+        """The pause or the hold of a run that is migrated began in the run that it was."""
+        holds = was["holder"] == "nobody" or (was["holder"] == "operator" and was["taken"])
+        self._set_held(was["holder"] if holds else "", was["_held_since"])
+        self._asked_for = was["_asked"]
+        if self.mode == "paused":
+            self.paused_at = was["_paused_at"]
 
     def _end(self, step: Step) -> None:
         if not self.outcome:
@@ -281,7 +298,10 @@ class RunScene:
             shown = self.board.get(key, (None, 0.0))[0]
         return shown if isinstance(shown, Image) else None
 
-    def _entry(self, key: str) -> list[Any]:
+    def _entry(self, key: str) -> list[Any] | None:
+        """Value and stamp of a key; None where it is no longer known."""
+        if key not in self.board:
+            return None
         value, stamp = self.board[key]
         return [bounded(value), round(stamp, 3)]
 

@@ -48,9 +48,10 @@ class Offers:
         """The journal has the notes of its steps already."""
 
     def follow(self, step: Step, writes: list[tuple[str, Any, float]]) -> None:
-        """Take over what a step wrote and where it led."""
+        """Take over what is known from a step on, and where it led."""
         self.at = step.at
         self.board |= {key: Stamped(value, stamp) for key, value, stamp in writes}
+        self.board = {key: entry for key, entry in self.board.items() if entry.value is not None}
         self.active = (self.active - set(step.exited)) | set(step.entered)
 
     def withheld(self, question: Question) -> dict[str, str]:

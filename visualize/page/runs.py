@@ -7,7 +7,7 @@ reported.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,11 +15,13 @@ from typing import Any
 
 from rai_missions.engine.decision import Question
 from rai_missions.engine.description import describe
+from rai_missions.engine.known import known_from
 from rai_missions.engine.step import Ask, Step, step_count
 from rai_missions.errors import DefinitionError
 from rai_missions.image import Image
 from rai_missions.journal import Note, StepRow, verify
 from rai_missions.journal.reader import Record
+from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission
 from rai_missions.plain_data import plain
 from rai_missions.states import answerer_words
@@ -30,6 +32,7 @@ from visualize.page.rejected_options import Offers
 __all__ = ("Run", "read_run", "run_data", "run_of_steps")
 
 MOST_FAULTS = 20
+Writes = list[tuple[str, Any, float]]
 
 
 @dataclass(frozen=True)
@@ -110,10 +113,12 @@ def run_data(run: Run, gallery: Gallery, mission: Mission | None = None) -> Json
     questions: dict[int, Json] = {}
     steps = []
     offers = Offers(mission) if mission is not None else None
+    keys = mission.blackboard if mission is not None else {}
     for index, entry in enumerate(run.entries):
-        steps.append(_row(index, entry, pool, questions, gallery))
+        writes = _writes(entry, keys)
+        steps.append(_row(index, entry.step, writes, pool=pool, questions=questions, gallery=gallery))
         if offers is not None:
-            offers.follow(entry.step, _writes(entry))
+            offers.follow(entry.step, writes)
             _add_withheld(entry.step, questions, offers)
     return {
         "name": run.name,
@@ -129,9 +134,10 @@ def run_data(run: Run, gallery: Gallery, mission: Mission | None = None) -> Json
     }
 
 
-def _row(index: int, entry: StepRow, pool: Pool, questions: dict[int, Json], gallery: Gallery) -> list[Any]:
-    step = entry.step
-    writes = [[key, plain(value), round(stamp, 6)] for key, value, stamp in _writes(entry)]
+def _row(
+    index: int, step: Step, writes: Writes, *, pool: Pool, questions: dict[int, Json], gallery: Gallery
+) -> list[Any]:
+    written = [[key, plain(value), round(stamp, 6)] for key, value, stamp in writes]
     guards = list({place: {True: 1, False: 0, None: 2}[value] for place, value in step.guards}.items())
     moves = [[list(move.taken), list(move.exited), list(move.entered), move.trigger] for move in step.moves]
     for effect in step.effects:
@@ -156,14 +162,13 @@ def _row(index: int, entry: StepRow, pool: Pool, questions: dict[int, Json], gal
             "data": plain(step.event.data),
         }
     )
-    parts = (event, moves, [[place, value] for place, value in guards], writes, without_empty(more))
+    parts = (event, moves, [[place, value] for place, value in guards], written, without_empty(more))
     return [step.seq, round(step.at, 6), *(pool.add(part) for part in parts)]
 
 
-def _writes(entry: StepRow) -> list[tuple[str, Any, float]]:
-    """Key, value and stamp of what was written since the step before, in order."""
-    step = entry.step
-    return [*entry.before, *((key, value, step.stamp_of(key)) for key, value in step.writes)]
+def _writes(entry: StepRow, keys: Mapping[str, Key]) -> Writes:
+    """Key, value and stamp of what is known since the step before, in order; None for what is no longer known."""
+    return [*entry.before, *known_from(entry.step, keys)]
 
 
 def _add_withheld(step: Step, questions: dict[int, Json], offers: Offers) -> None:

@@ -113,6 +113,7 @@ class ShownRun(NamedTuple):
             control=view.holder,
             active=set(view.active),
             board={key: (entry.value, entry.at) for key, entry in view.board.items()},
+            keys=view.mission.blackboard,
             questions={each.number: each for each in self.questions()},
             outcome=view.outcome or "",
             why=view.why if view.outcome else "",

@@ -50,6 +50,7 @@ def folded(run: dict[str, Any], keys: dict[str, Any]) -> list[tuple[set[str], di
             active = active - set(exited) | set(entered)
         for key, value, stamp in run["pool"][writes]:
             board[key] = [value, stamp]
+        board = {key: entry for key, entry in board.items() if entry[0] is not None}
         found.append((set(active), dict(board)))
     return found
 

@@ -23,6 +23,7 @@ class Board {
       cells.entry = entry;
       const view = entry ? valueView(entry[0]) : "unknown";
       replaceView(cells.value, view instanceof Node ? view : shown(view));
+      if (!entry) [cells.row.className, cells.age.textContent] = ["unknown", "not received"];
     }
   }
 

@@ -27,7 +27,10 @@ class Replay {
       for (const name of exited) frame.active.delete(name);
       for (const name of entered) frame.active.add(name);
     }
-    for (const [key, value, stamp] of writes) frame.board.set(key, [value, stamp]);
+    for (const [key, value, stamp] of writes) {
+      if (value === null) frame.board.delete(key); // a process that continues must receive it again
+      else frame.board.set(key, [value, stamp]);
+    }
   }
 
   /** What a step itself recorded. */
