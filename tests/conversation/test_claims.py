@@ -67,6 +67,14 @@ def test_no_claim_passes_in_another_dress(code: str) -> None:
     assert [each for each in dressed if not claims.why_replaced(each, VIEW)] == []
 
 
+def test_an_offer_with_its_condition_is_spoken() -> None:
+    offers = {
+        "en": ("I can look in the bedroom if you like.", "If you allow it, I can go to the kitchen."),
+        "de": ("Wenn du möchtest, kann ich in der Küche nachsehen.",),
+    }
+    assert [each for each, kind in replaced(offers).items() if kind] == []
+
+
 def test_no_claim_passes_in_capitals() -> None:
     claims = Claims("en")
     assert [each for each in CLAIMS["claims"]["en"] if not claims.why_replaced(each.upper(), VIEW)] == []
