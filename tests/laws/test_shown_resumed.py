@@ -40,7 +40,8 @@ def write(chart: Chart, journal: Journal, events: Iterable[Event | DrawnEvent], 
         event = each if isinstance(each, Event) else robot.event(*each)
         if event.kind in ("write", "event") and event.name not in (mission.blackboard | mission.events):
             event = event._replace(name=event.name + TWO)
-        if chart.outcome is None:
+        is_foreign = event.kind == "write" and mission.blackboard[event.name].source != "robot"  # no one writes those
+        if chart.outcome is None and not is_foreign:
             robot.follow(written.step(lambda event=event: chart.send(event)))
     written.flush()
 
