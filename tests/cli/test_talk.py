@@ -281,7 +281,7 @@ def test_a_yes_that_was_piped_before_the_order_was_read_back_confirms_nothing(mi
         timeout=PATIENCE_S,
         check=False,
     )
-    assert result.stdout.count("Is that right?") == 3 and "Order taken" not in result.stdout, result
+    assert result.stdout.count("Is that right?") >= 3 and "Order taken" not in result.stdout, result
 
 
 @pytest.mark.long
