@@ -18,6 +18,7 @@ from rai_missions.image import Image
 __all__ = (
     "apart",
     "are_finite",
+    "at_path",
     "carried",
     "is_number",
     "json_object",
@@ -101,6 +102,18 @@ def plain(value: Any) -> Any:
     if isinstance(value, Sequence | AbstractSet):
         return value.copy() if type(value) is list and are_finite(value) else [plain(item) for item in value]
     return str(value)
+
+
+def at_path(message: Any, path: str) -> Any:
+    """The field at a path, `pose.position.x`, or an item of a list, `ranges.0`; None where there is none."""
+    for word in path.split(".") if path else ():
+        if isinstance(message, Mapping):
+            message = message.get(word)
+        elif isinstance(message, list | tuple) and word.isdecimal() and int(word) < len(message):
+            message = message[int(word)]
+        else:
+            return None
+    return message
 
 
 def json_value(text: str | bytes, other: Any = None) -> Any:

@@ -13,26 +13,14 @@ from typing import Any
 
 from rai_missions.errors import ConnectorError
 from rai_missions.image import CHANNELS, Image
-from rai_missions.plain_data import are_finite, is_number
+from rai_missions.plain_data import are_finite, at_path, is_number
 from rai_missions.redaction import cut, cut_repr
 
-__all__ = ("at_path", "image_of", "json_of", "plain", "pose_message", "pose_of")
+__all__ = ("image_of", "json_of", "plain", "pose_message", "pose_of")
 
 LONGEST_TEXT = 1_000_000
 """Characters of JSON that are read from one message."""
 DEEPEST = 60
-
-
-def at_path(message: Any, path: str) -> Any:
-    """The field at a path, `pose.position.x`, or an item of a list, `ranges.0`; None where there is none."""
-    for word in path.split(".") if path else ():
-        if isinstance(message, Mapping):
-            message = message.get(word)
-        elif isinstance(message, list | tuple) and word.isdecimal() and int(word) < len(message):
-            message = message[int(word)]
-        else:
-            return None
-    return message
 
 
 def plain(value: Any, depth: int = 0) -> Any:

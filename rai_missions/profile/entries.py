@@ -15,8 +15,8 @@ from pydantic_core import PydanticCustomError
 from rai_missions.errors import ConnectorError
 from rai_missions.guards.guard import Guard
 from rai_missions.model import LISTED, AnyOf, Bool, Json, MissionModel, Name, Seconds, Text, Word, fault, refuse
-from rai_missions.plain_data import apart
-from rai_missions.profile.convert import at_path, plain, pose_message
+from rai_missions.plain_data import apart, at_path
+from rai_missions.profile.convert import plain, pose_message
 from rai_missions.profile.sources import truth_of
 
 __all__ = ("ActionEntry", "AliveEntry", "OneService", "ServiceEntry", "TopicEntry", "given_to", "references")

@@ -12,8 +12,7 @@ from typing import Any
 from rai_missions.errors import Fault, pointer
 from rai_missions.guards.guard import Guard
 from rai_missions.mission.mission import Mission
-from rai_missions.plain_data import is_number
-from rai_missions.profile.convert import at_path
+from rai_missions.plain_data import at_path, is_number
 from rai_missions.profile.message_types import listened
 from rai_missions.profile.profile import Robot
 from rai_missions.profile.sent_fields import unknown_sent_fields

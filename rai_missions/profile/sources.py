@@ -19,7 +19,8 @@ from rai_missions.guards.view import Site, Truth, View
 from rai_missions.image import Image
 from rai_missions.keys import Key, Stamped
 from rai_missions.model import AnyOf, Bool, Json, MissionModel, Name, Seconds, Text, Word, fault, refuse
-from rai_missions.profile.convert import at_path, image_of, json_of, plain, pose_of
+from rai_missions.plain_data import at_path
+from rai_missions.profile.convert import image_of, json_of, plain, pose_of
 from rai_missions.redaction import cut_repr
 
 __all__ = ("EventSource", "Source", "truth_of")

@@ -16,8 +16,9 @@ from rai_missions.errors import ConnectorError
 from rai_missions.event import Event
 from rai_missions.image import Image
 from rai_missions.journal import decode, encode
+from rai_missions.plain_data import at_path
 from rai_missions.profile import EventSource, Source, plain
-from rai_missions.profile.convert import at_path, image_of, pose_message, pose_of
+from rai_missions.profile.convert import image_of, pose_message, pose_of
 
 coordinates = st.floats(-1e6, 1e6)
 HUGE = [10**305, -(10**400)]

@@ -161,8 +161,9 @@ BY_ROBOT = {"transitions": [{"on": "next", "do": [{"set": "jobs", "from": "seen"
 
 
 @pytest.mark.parametrize(("first", "keys"), [
-    (BY_RESULT, {}), (BY_EVENT, {}), (BY_ROBOT, {"seen": {"type": "list", "source": "robot"}}),
-], ids=["a result", "an event", "a copy of what the robot reports"])  # fmt: skip
+    (BY_RESULT, {}), ({**BY_RESULT, "result": {"jobs": "order.jobs"}}, {}), (BY_EVENT, {}),
+    (BY_ROBOT, {"seen": {"type": "list", "source": "robot"}}),
+], ids=["a result", "a field in a result", "an event", "a copy of what the robot reports"])  # fmt: skip
 def test_a_list_that_was_given_has_any_length_and_any_items(first: Json, keys: Json) -> None:
     proof = proof_of(
         {"first": first, **ROUND},

@@ -17,6 +17,7 @@ from rai_missions.engine.activities.activity import (
     Turn,
     machine_of,
     remembered,
+    result_writes,
 )
 from rai_missions.engine.step import CancelGoal, StartGoal
 from rai_missions.engine.templates import SentTemplate
@@ -128,7 +129,8 @@ class GoalMachine(Machine):
 
     def _settled(self, state: GoalActivity, host: ActivityHost) -> Turn | None:
         if self.achieved is None or self.achieved(host.view) is True:
-            return Turn(None, outcome=Outcome("succeeded", state.result), writes=self._results(state))
+            writes = result_writes(self.definition.result, state.result)
+            return Turn(None, outcome=Outcome("succeeded", state.result), writes=writes)
         if host.view.at < state.until:
             return None
         assert self.definition.achieved is not None
@@ -140,10 +142,6 @@ class GoalMachine(Machine):
     def _unknown(self, view: View) -> str:
         keys = sorted(key for key in self.site.reads if key not in view.board)
         return f"never heard: {', '.join(keys)}" if keys else "stale"
-
-    def _results(self, state: GoalActivity) -> tuple[tuple[str, Any], ...]:
-        fields = self.definition.result
-        return tuple((key, state.result[field]) for key, field in fields.items() if state.result.get(field) is not None)
 
     def leave(self, state: GoalActivity, host: ActivityHost) -> Turn:
         runs = state.phase in ("sent", "running")

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
 
 from rai_missions.event import Event
 from rai_missions.guards.view import Site, View, concerns
+from rai_missions.plain_data import at_path
 
 if TYPE_CHECKING:
     from rai_missions.engine.activities.goal_ledger import Obstruction
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = (
     "GOALS", "NO_KEYS", "ActivityHost", "Bench", "Machine", "Outcome", "Turn", "listens", "machine_of",
-    "remembered", "remembered_kinds",
+    "remembered", "remembered_kinds", "result_writes",
 )  # fmt: skip
 
 
@@ -197,3 +198,12 @@ def remembered(word: str) -> Callable[[Remembered], Remembered]:
 def remembered_kinds() -> Mapping[str, type[Any]]:
     """The word in a journal → what a machine remembers under it."""
     return _remembered
+
+
+def result_writes(fields: Mapping[str, str], result: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
+    """What is kept of a result: mission key → its field, or one within it, `pose.x`; nothing where there is none.
+
+    A profile may give a field a name with a dot: it is found first.
+    """
+    found = ((key, result[field] if field in result else at_path(result, field)) for key, field in fields.items())
+    return tuple((key, value) for key, value in found if value is not None)

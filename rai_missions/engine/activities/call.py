@@ -5,7 +5,16 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from rai_missions.engine.activities.activity import ActivityHost, Bench, Machine, Outcome, Turn, machine_of, remembered
+from rai_missions.engine.activities.activity import (
+    ActivityHost,
+    Bench,
+    Machine,
+    Outcome,
+    Turn,
+    machine_of,
+    remembered,
+    result_writes,
+)
 from rai_missions.engine.step import CallService
 from rai_missions.engine.templates import SentTemplate
 from rai_missions.event import Event
@@ -51,10 +60,9 @@ class CallMachine(Machine):
         if event.kind != "result" or event.number != state.number:
             return None
         outcome = OUTCOMES.get(event.name, "failed")
-        data, fields = dict(event.data), self.definition.result
-        writes = tuple((key, data[field]) for key, field in fields.items() if data.get(field) is not None)
-        why = str(data.get("why", ""))
-        return Turn(None, outcome=Outcome(outcome, data, why), writes=writes if outcome == "succeeded" else ())
+        data = dict(event.data)
+        writes = result_writes(self.definition.result, data) if outcome == "succeeded" else ()
+        return Turn(None, outcome=Outcome(outcome, data, str(data.get("why", ""))), writes=writes)
 
     def awaits(self, state: CallActivity) -> frozenset[int]:
         return frozenset({state.number})
