@@ -322,9 +322,9 @@ def test_an_index_that_cannot_be_written_is_reported(folder: Path, tmp_path: Pat
 def test_a_bad_document_costs_itself_alone_and_is_tried_again(folder: Path, tmp_path: Path) -> None:
     index = tmp_path / "x.index"
     (folder / "bad.txt").write_bytes(b"\xff")
-    for _ in range(2):
+    for again in (False, True):
         report = build_index(folder, index, LetterVectors())
-        assert (report.documents, report.read) == (2, ("bad.txt",) if _ else ("bad.txt", "care.txt", "inner/rules.txt"))
+        assert (report.documents, report.read) == (2, () if again else ("care.txt", "inner/rules.txt"))
         assert [str(each) for each in report.faults] == ["/bad.txt: is not UTF-8 at byte 0; save it as UTF-8"]
     assert Library(folder, index, embedder=LetterVectors()).recall("tyres").is_answered
 

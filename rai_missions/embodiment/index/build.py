@@ -35,7 +35,7 @@ class BuildReport(NamedTuple):
     documents: int
     passages: int
     read: tuple[str, ...]
-    """The documents that were read: new, changed, or at fault the last time."""
+    """The documents that were read now, new or changed, and are in the index."""
     embedded: int
     """Passages whose vectors were made."""
     faults: tuple[Fault, ...]
@@ -66,7 +66,7 @@ def build_index(folder: Path, path: Path, embedder: TextEmbedder | None) -> Buil
             document = earlier[file][0] if file in earlier else None
             if document is None or document.fault or document.sha256 != _digest_of(files, file):
                 document, kept[file] = _read(files, file, process)
-                read.append(file)
+                read += [] if document.fault else [file]
             else:
                 kept[file] = earlier[file][1]
             found.append(document)
