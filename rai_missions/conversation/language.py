@@ -54,6 +54,7 @@ class Language(LanguageTexts):
         self.start, self.answer = self._phrases("start"), self._phrases("answer")
         self.argument, self.with_values = self._phrases("argument"), self._phrases("with_values")
         self.polite, self.indirect = self._phrases("polite"), self._phrases("indirect")
+        self.relayed = self._phrases("relayed")
         self.reason_joints, self.on_the_way = self._phrases("reason_joints"), self._phrases("on_the_way")
         self.question_senses = self._named_phrases("question_senses")
         self.option_senses, self.advising = self._named_phrases("option_senses"), self._phrases("advising")

@@ -136,12 +136,19 @@ class Suggestions:
         return self._language.conditions.begin(words) and not self._grammar.senses(words, view)
 
     def _joined(self, clauses: list[list[str]], view: StatusView) -> list[list[str]]:
-        """The clauses; two that are an order together are one: `it would be nice, if you went home`."""
+        """The clauses; two that are an order together are one: `it would be nice, if you went home`.
+
+        So are two that pass on an order: `Anna fragt, ob du nach Hause fährst`.
+        """
         made = list[list[str]]()
         for words in clauses:
             is_second = bool(made) and self._language.conditions.begin(words)
-            is_joined = is_second and bool(_order(self._grammar.senses([*made[-1], *words], view)))
-            made.append([*made.pop(), *words] if is_joined else words)
+            both = [*made[-1], *words] if made else []
+            is_joined = is_second and bool(_order(self._grammar.senses(both, view)))
+            if is_joined or self._language.relayed.fits(both):
+                made[-1] = both
+            else:
+                made.append(words)
         return made
 
     def _clauses(self, text: str) -> Iterator[list[str]]:
@@ -165,9 +172,16 @@ class Suggestions:
         return tuple(each for each in senses if each.kind not in ("yes", "no")) or senses
 
     def _bidden(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
-        """What a clause orders that begins with whom it bids: `you go home`."""
+        """What a clause orders that begins with whom it bids, `you go home`, or with whose wish it passes on.
+
+        That is `go home` of `Anna wants me to ask you to go home`.
+        """
         first, *rest = self._language.normaliser.spoken(words) or [""]
-        return self._grammar.senses(rest, view) if first in self._addressed else ()
+        if first in self._addressed:
+            return self._grammar.senses(rest, view)
+        relayed = (slots["order"].split() for slots in self._language.relayed.match([first, *rest]))
+        found = (self._grammar.senses(self._language.imperative(order), view) for order in relayed)
+        return next(filter(_order, found), ())
 
     def _resolved(
         self, words: list[str], before: Sequence[list[str]], senses: Sequence[Sense], view: StatusView

@@ -99,11 +99,16 @@ POLITE = {
         "I'd be glad if you'd {order}.", "Hey, I was hoping you could {order}", "Any chance you could {order}?",
         "When you have a minute, {order}", "Forget it, {order}!", "It would be lovely if you {finite}",
         "{order} and show me what you see", "{order} and report back, please", "Right mate, {order}",
+        "Do {order}, dear.",
+        "It would put my mind at rest if you {finite}", "What I'd like is for you to {order}",
+        "If it isn't a bother, might you {order}?",
     ),
     "de": (
         "Könntest du bitte {noun}?", "Rob, kannst du mal {noun}", "Du kannst jetzt {noun}.",
         "Ich möchte, dass du {finite}.", "Wenn du Zeit hast, {order}", "Vergiss es, {order}!",
         "Wären Sie so freundlich und {order}?", "{order} und sag mir, was du siehst", "{order} und berichte.",
+        "{order}, ja?",
+        "Mich würde es freuen, wenn du {finite}",
     ),
 }  # fmt: skip
 MARKS = {

@@ -304,3 +304,28 @@ def test_an_order_of_the_language_within_a_clause_is_read_back_and_one_of_others
             assert len(read_back(outputs)) == 1, (form, verb)
             quoted = replies(QUOTED[code].format(verb), code)
             assert not read_back(quoted), (form, verb)
+
+
+RELAYED = {
+    "en": {
+        "go to the kitchen": (
+            "Mila wants me to ask you to go to the kitchen", "my mum asks if you'd mind going to the kitchen",
+        ),
+        "pause": ("Dad would like you to pause", "Anna wants to know whether you could pause, please"),
+    },
+    "de": {
+        "fahre in die Küche": (
+            "Oma lässt fragen, ob du in die Küche fahren könntest", "Mila will, dass du in die Küche fährst",
+        ),
+        "pausiere": ("Henrik möchte, dass du pausierst", "Anna fragt, ob du pausieren kannst"),
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("code", languages())
+def test_an_order_that_is_passed_on_is_read_back(code: str) -> None:
+    for sentence, order in ((each, order) for order, sentences in RELAYED[code].items() for each in sentences):
+        outputs = replies(sentence, code)
+        assert not any(isinstance(each, Order) for each in outputs), sentence
+        meant = [each or {} for each in read_back(replies(order, code))]
+        assert read_back(outputs) == meant, sentence
