@@ -34,10 +34,14 @@ ANNOTATIONS = frozenset({"$comment", "$defs", "$schema", "default", "description
 def listed_parameters(schema: Mapping[str, Any] | None) -> Mapping[str, Any] | None:
     """The parameters under `properties`, which alone are written to keys; None where it has no such word: any is.
 
+    Without that word, a schema with `"additionalProperties": false` admits none.
+
     Args:
         schema: An option's `parameters`; None where it takes none.
     """
-    properties = {} if schema is None else schema.get("properties")
+    if schema is None:
+        return {}
+    properties = schema.get("properties", {} if schema.get("additionalProperties") is False else None)
     return properties if isinstance(properties, Mapping) else None
 
 

@@ -373,6 +373,7 @@ def test_an_option_that_is_an_event_outside_is_refused(tmp_path: Path) -> None:
         ({"properties": {"words": {"type": "string"}}}, "rename one of them"),
         ({"properties": {"other": {"type": "string"}}}, ""),
         ({"type": "object"}, "list its 'properties'"),
+        ({"type": "object", "additionalProperties": False}, ""),
     ],
 )
 def test_an_option_that_would_write_a_key_outside_is_refused(
