@@ -89,6 +89,18 @@ class Grammar:
         is_short = 0 < len(words) <= MOST_WORDS
         return option.free(words) if option is not None and is_short and not text.rstrip().endswith("?") else None
 
+    def without_reasons(self, text: str, view: StatusView) -> tuple[Sense, ...]:
+        """What a sentence orders without its reasons, to be read back: `wait a minute while the kettle boils`.
+
+        Empty where there is none, and where a reason may have an order in it.
+        """
+        reasons = [self.language.normaliser.words(each) for each in self.language.reasons.findall(text)]
+        ends = (words[at:] for words in reasons for at in range(len(words)))
+        if not reasons or self.language.may_quote(text) or any(map(self.sentence.begins_an_order, ends)):
+            return ()
+        senses = self.senses(self.language.reasons.sub("", text), view)
+        return tuple(each._replace(is_partial=True) for each in senses) if is_order(senses) else ()
+
     def question_by_sense(self, text: str, view: StatusView) -> Sense | None:
         """What a sentence without another meaning asks in words of its own; None where it asks for no state."""
         return self.sentence.question_by_sense(self._unrepeated(text), view)

@@ -55,6 +55,8 @@ class Language(LanguageTexts):
         self.argument, self.with_values = self._phrases("argument"), self._phrases("with_values")
         self.polite, self.indirect = self._phrases("polite"), self._phrases("indirect")
         self.relayed = self._phrases("relayed")
+        self.reasons = re.compile(rf"[,\s]+{data['reason_pattern']}[^,.;:!?–—]*", re.IGNORECASE)
+        """What begins with a word for a reason, up to the next sign, with what is ahead of it."""
         self.reason_joints, self.on_the_way = self._phrases("reason_joints"), self._phrases("on_the_way")
         self.question_senses = self._named_phrases("question_senses")
         self.option_senses, self.advising = self._named_phrases("option_senses"), self._phrases("advising")

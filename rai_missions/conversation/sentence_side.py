@@ -210,7 +210,8 @@ class SentenceSide:
         text = cut(utterance.text, LONGEST_READ)
         if senses := self._answered_by_sense(text, utterance.role):
             return senses
-        senses = self._suggestions.suggested(text, self._talk.view)
+        senses = self._grammar.without_reasons(text, self._talk.view)
+        senses = senses or self._suggestions.suggested(text, self._talk.view)
         if not senses and not faults:
             asked = self._grammar.question_by_sense(text, self._talk.view)
             return (asked,) if asked is not None else ()

@@ -329,3 +329,36 @@ def test_an_order_that_is_passed_on_is_read_back(code: str) -> None:
         assert not any(isinstance(each, Order) for each in outputs), sentence
         meant = [each or {} for each in read_back(replies(order, code))]
         assert read_back(outputs) == meant, sentence
+
+
+REASONED = {
+    "en": {
+        "go to the kitchen{}": ("because the kettle boils", "so that we know it's quiet", "while my tea is hot"),
+        "wait 60 seconds{}, then go back to the dock": ("since we are tired", "so I can rest", ", because it's late"),
+        "look for the cup{}": ("because I want it", "cos my tea is cold"),
+    },
+    "de": {
+        "fahre in die Küche{}": (", weil das Wasser kocht", "während wir essen", ", denn es ist spät"),
+        "warte 60 Sekunden{}, dann fahre heim": (", damit ich ruhen kann", ", weil mir kalt ist"),
+    },
+}  # fmt: skip
+REASONED_ORDERS = {
+    "en": ("go to the kitchen because you should find the cup", "cup"),
+    "de": ("fahre in die Küche, weil ich will, dass du die Tasse suchst", "tasse"),
+}
+
+
+@pytest.mark.parametrize("code", languages())
+def test_an_order_with_its_reason_is_the_order(code: str) -> None:
+    for form, reasons in REASONED[code].items():
+        meant = read_back(replies(form.format(""), code))
+        assert meant and None not in meant, form
+        for reason in reasons:
+            sentence = form.format(reason if reason[0] == "," else f" {reason}")
+            assert read_back(replies(sentence, code)) == meant, sentence
+
+
+@pytest.mark.parametrize("code", languages())
+def test_an_order_in_a_reason_is_not_lost(code: str) -> None:
+    sentence, thing = REASONED_ORDERS[code]
+    assert thing in " ".join(each.text for each in replies(sentence, code) if isinstance(each, Speech))
