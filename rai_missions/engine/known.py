@@ -8,20 +8,36 @@ a run forgets what the robot must report again: both follow from the step's even
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, cast
 
 from rai_missions.engine.snapshot_json import unpacked
 from rai_missions.engine.step import Step
-from rai_missions.keys import Key
+from rai_missions.errors import UsageError
+from rai_missions.keys import Key, Stamped
+from rai_missions.plain_data import is_number
 
 __all__ = ("known_from", "migrated")
 
 
 def migrated(step: Step) -> Mapping[str, Any] | None:
-    """The snapshot with which a migrated run begins, for the step that has it; None for any other."""
+    """The snapshot with which a migrated run begins, for the step that has it; None for any other.
+
+    Raises:
+        UsageError: It is none: the journal was altered.
+    """
     event = step.event
-    is_begin = event.kind == "command" and event.name == "migrate" and not step.refusal
-    return unpacked(event.data["stands"]) if is_begin else None
+    if event.kind != "command" or event.name != "migrate" or step.refusal:
+        return None
+    try:
+        was = unpacked(event.data["stands"])
+        board = was["board"].values()
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
+        board = (None,)
+    if not all(isinstance(entry, Stamped) and is_number(entry.at) for entry in board):
+        raise UsageError(
+            f"step {step.seq} continues with a snapshot that is none; the journal was altered after the run"
+        )
+    return cast("Mapping[str, Any]", was)
 
 
 def known_from(step: Step, keys: Mapping[str, Key]) -> Iterator[tuple[str, Any, float]]:
@@ -30,6 +46,9 @@ def known_from(step: Step, keys: Mapping[str, Key]) -> Iterator[tuple[str, Any, 
     Args:
         step: Of the run.
         keys: Those of its mission.
+
+    Raises:
+        UsageError: What a migration brings along was altered.
     """
     if (was := migrated(step)) is not None:
         yield from ((key, None, step.at) for key in keys if key not in was["board"])

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from rai_missions.errors import UsageError
-from rai_missions.journal import Header, Journal, read, sqlite
+from rai_missions.journal import Header, Journal, read
 from rai_missions.journal.rows import Confirmation, JournalRow, StepRow
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
@@ -124,7 +124,7 @@ def test_what_was_called_is_confirmed_whichever_row_is_too_long_to_be_written(
     place: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path, too_long = tmp_path / "run.journal", 20_000
-    monkeypatch.setattr(sqlite, "LONGEST_BYTES", too_long)
+    monkeypatch.setattr("rai_missions.journal.sqlite_writer.LONGEST_BYTES", too_long)
     go = lambda rig: [rig.post("go", text="x" * too_long * (number == place)) for number in range(5)]  # noqa: E731
     rig = journaled(path, mission(CALLING), lambda rig: {1.0: lambda: go(rig)})
     result = rig.run()
