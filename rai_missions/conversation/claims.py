@@ -27,7 +27,7 @@ from rai_missions.conversation.language import language, languages, spoken
 from rai_missions.conversation.reporting_clauses import ReportingClauses
 from rai_missions.conversation.view import StatusView
 from rai_missions.planning.text.normalise import LONGEST_WORD, readable
-from rai_missions.redaction import cut
+from rai_missions.redaction import HIDDEN, cut
 
 __all__ = ("CERTAIN", "ClaimKind", "Claims", "plain", "scored_clauses")
 
@@ -42,7 +42,8 @@ CERTAIN: frozenset[ClaimKind] = frozenset(("script", "language", "result", "subj
 """The kinds that no score of a sentence's words takes back."""
 CLAUSES = re.compile(r"(?:,(?!\d)|[;:()\n–—…|/])+|\s-+\s|[.!?]+\s+|(?<!\b[ioa][nft] )\b(?=that\b(?!\s\w+\W*$))", re.I)
 """Where a clause ends; `in that case` and `I know that name` are one."""
-BRACKETED = re.compile(r"[(\[{]([^()\[\]{}]*)[)\]}]")
+BRACKETED = re.compile(rf"(?!{re.escape(HIDDEN)})[(\[{{]([^()\[\]{{}}]*)[)\]}}]")
+"""What is in brackets; the mark of a hidden secret is no statement."""
 STATEMENTS = re.compile(r"\s[–—-]+\s|;\s")
 """Where another statement begins that is a sentence by itself."""
 DISGUISES = str.maketrans({"0": "o", "1": "i", "3": "e", "4": "a", "5": "s", "7": "t", "@": "a", "$": "s"})

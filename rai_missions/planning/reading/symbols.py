@@ -216,11 +216,11 @@ def _clearing(found: list[Symbol]) -> list[Symbol]:
 def _compared(found: list[Symbol]) -> list[Symbol]:
     """With a side of the thing itself as what it is there: `the left cube`, `the cube on the left`."""
     kept = list[Symbol]()
+    shift = next((at for at, symbol in enumerate(found) if symbol.value == "shift"), len(found))
     for at, symbol in enumerate(found):
         before, after = found[at - 1].kind if at else "", found[at + 1].kind if at + 1 < len(found) else ""
         is_side = symbol.kind == "side" and symbol.value in NEXT_SIDE
-        is_shift = any(each.value == "shift" for each in found[:at])
-        if is_side and not is_shift and before in ("noun", "colour", "generic") and after in ("", *ENDS):
+        if is_side and at <= shift and before in ("noun", "colour", "generic") and after in ("", *ENDS):
             kept.append(symbol._replace(kind="compared"))  # `the cubes to the left, the fruit to the right`
         elif not is_side or before != "the":
             kept.append(symbol)
