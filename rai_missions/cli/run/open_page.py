@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
+import importlib.util
 from typing import TYPE_CHECKING
 
 from rai_missions.errors import UsageError, install_command
@@ -29,7 +29,7 @@ def open_page(
     Raises:
         UsageError: It is in use, or unprotected, or there is no server on this machine.
     """
-    if find_spec("starlette") is None or find_spec("uvicorn") is None:
+    if importlib.util.find_spec("starlette") is None or importlib.util.find_spec("uvicorn") is None:
         raise UsageError(f"the live page needs Starlette and uvicorn: {install_command('watch')}{instead}")
     from visualize.live import LivePage, PageAddress
 
