@@ -66,7 +66,8 @@ def build_index(folder: Path, path: Path, embedder: TextEmbedder | None) -> Buil
             document = earlier[file][0] if file in earlier else None
             if document is None or document.fault or document.sha256 != _digest_of(files, file):
                 document, kept[file] = _read(files, file, process)
-                read += [] if document.fault else [file]
+                if not document.fault:
+                    read.append(file)
             else:
                 kept[file] = earlier[file][1]
             found.append(document)
