@@ -17,6 +17,7 @@ from rai_missions.planning.scene import Thing
 
 __all__ = (
     "LEAST_M",
+    "SLACK_M",
     "about_a_place",
     "aligned",
     "amid",
@@ -31,7 +32,7 @@ __all__ = (
 LEAST_M = 0.004
 """Metres between two footprints, whatever their heights."""
 SLACK_M = 0.0003
-"""What rounding may take from a clearance, metres."""
+"""What rounding may take from a clearance, or from the room between two things, metres."""
 DIRECTIONS = 16
 NEARBY_M = (0.004, 0.008, 0.012)
 """How far from a place that was named a thing may be put, with room to spare for an arm that is not exact, metres."""

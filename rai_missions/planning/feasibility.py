@@ -27,7 +27,7 @@ from rai_missions.planning.goal import (
     Shifted,
     Swapped,
 )
-from rai_missions.planning.relations import holds, inner
+from rai_missions.planning.relations import downward, holds, inner
 from rai_missions.planning.scene import CONTAINERS, DESK, ROUND, Scene, Thing
 from rai_missions.planning.sentences import ENGLISH, refusal_sentence
 from rai_missions.planning.tolerances import AT, JUDGE, contact
@@ -78,11 +78,7 @@ Found = Iterator[tuple[Any, ...]]
 
 def column_of(goal: Goal, name: str) -> tuple[str, ...]:
     """The things below one by what is wanted, itself first, the desk not counted; it ends where a circle closes."""
-    lower = {upper: below for upper, below in (each.on for each in goal.of_kind(OnTop)) if below != DESK}
-    found = [name]
-    while (below := lower.get(found[-1])) is not None and below not in found:
-        found.append(below)
-    return tuple(found)
+    return tuple(downward(name, {each.on[0]: each.on[1] for each in goal.of_kind(OnTop) if each.on[1] != DESK}))
 
 
 def _seen(goal: Goal, scene: Scene, workspace: Workspace) -> Found:

@@ -6,11 +6,13 @@ Where two wait for each other's place, one is put aside for a while.
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Collection, Iterator, Sequence
 
 from rai_missions.planning.fingers import can_take, crowding
 from rai_missions.planning.placement import Arrangement, is_in_the_way
 from rai_missions.planning.plan import AvoidedPlace, PlannedMove, Pose, is_avoided
+from rai_missions.planning.relations import downward
 from rai_missions.planning.scene import CONTAINERS, DESK, Thing
 from rai_missions.planning.workspace import Workspace
 
@@ -96,11 +98,7 @@ class Ordering:
             yield from (other.name for other in crowding(self.now[name], self.now.values()))
 
     def _in_its_way(self, name: str) -> Iterator[str]:
-        chain, below = {name}, self.carriers[name]
-        while below is not None and below != DESK and below not in chain:
-            chain.add(below)
-            below = self.carriers[below] if below in self.carriers else self.below.get(below)
-        there = self.final[name]
+        there, chain = self.final[name], {*downward(name, ChainMap(self.carriers, self.below))}
         for other, thing in self.now.items():
             if other not in chain and other in self.waiting and is_in_the_way(there, thing, self.clearance):
                 yield other

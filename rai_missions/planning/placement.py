@@ -8,9 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator, Sequence
+from functools import partial
+from itertools import combinations
 
 from rai_missions.planning.candidates import (
     LEAST_M,
+    SLACK_M,
     about_a_place,
     aligned,
     amid,
@@ -38,7 +41,7 @@ from rai_missions.planning.goal import (
     Predicate,
 )
 from rai_missions.planning.plan import AvoidedPlace, is_avoided
-from rai_missions.planning.relations import columns, holds, inner, reached
+from rai_missions.planning.relations import are_linked, columns, downward, holds, inner, reached
 from rai_missions.planning.scene import CONTAINERS, DESK, Scene, Thing
 from rai_missions.planning.tolerances import APART, APART_M, GROUPED, NEXT_TO, WALL_M
 from rai_missions.planning.workspace import Workspace
@@ -49,8 +52,6 @@ SPARE_M = 0.02
 """By how much things are nearer to each other than a relation would allow, for an arm that is not exact."""
 PALM_REACH_M = 0.16
 """Metres between the middles of two things beyond which the palm of the one's hand does not meet the other."""
-SLACK_M = 0.0003
-"""What rounding may take from the room of what is between two others, metres."""
 ABOVE_M = 0.005
 """How far the fingers reach below the underside of what they set down, metres."""
 
@@ -362,11 +363,7 @@ class Placement:
 
     def _chain(self, name: str, below: str | None) -> set[str]:
         """What carries a thing, down to the desk, itself included."""
-        found = {name}
-        while below is not None and below != DESK and below not in found:
-            found.add(below)
-            below = self.below.get(below)
-        return found
+        return {name, *downward(below, self.below)}
 
     def _fits(self, name: str) -> bool:
         """Whether the relations of a thing to those that are placed hold, comfortably where one of them moves."""
@@ -418,9 +415,7 @@ class Placement:
             return True
         if isinstance(predicate, Apart):
             return all(
-                gap(one.footprint, other.footprint) >= self._apart(one, other)
-                for place, one in enumerate(things)
-                for other in things[:place]
+                gap(one.footprint, other.footprint) >= self._apart(one, other) for other, one in combinations(things, 2)
             )
         if not is_whole:
             return True
@@ -431,17 +426,9 @@ class Placement:
             return past_an_end(*(thing.footprint for thing in things)) <= SLACK_M
         if isinstance(predicate, NextTo):
             return gap(things[0].footprint, things[1].footprint) <= NEXT_TO - SPARE_M
-        return not isinstance(predicate, Grouped) or self._is_connected(things)
+        return not isinstance(predicate, Grouped) or are_linked(things, partial(_is_near, limit=GROUPED - SPARE_M))
 
     def _apart(self, one: Thing, other: Thing) -> float:
         """Metres that must be between two things: less where both stay."""
         stay = all(thing == self.present[thing.name] for thing in (one, other))
         return APART_M - APART + 2 * math.hypot(one.sigma_m, other.sigma_m) if stay else APART_M
-
-    def _is_connected(self, things: list[Thing]) -> bool:
-        near, waiting = things[:1], things[1:]
-        for thing in near:  # it grows meanwhile
-            found = [each for each in waiting if _is_near(each, thing, GROUPED - SPARE_M)]
-            near.extend(found)
-            waiting = [each for each in waiting if each not in found]
-        return not waiting

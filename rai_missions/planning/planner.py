@@ -20,7 +20,7 @@ from rai_missions.planning.goal import FIRST_SEEN, AtPlace, Goal, Grouped, InCon
 from rai_missions.planning.ordering import Ordering, free_spot
 from rai_missions.planning.placement import Placement
 from rai_missions.planning.plan import AvoidedPlace, Plan, PlannedMove, Pose
-from rai_missions.planning.relations import at_first_poses, columns, holds, support
+from rai_missions.planning.relations import at_first_poses, columns, downward, holds, support
 from rai_missions.planning.scene import CONTAINERS, DESK, Scene, Thing
 from rai_missions.planning.sentences import ENGLISH, refusal_sentence
 from rai_missions.planning.tolerances import contact
@@ -117,16 +117,8 @@ class _Planner:
 
     def _is_sunk(self, thing: Thing) -> bool:
         """Whether it lies so deep in a bin that the palm meets the rim before the fingers have it."""
-        rims = [self.present[each].top for each in self._carriers(thing.name) if self.present[each].type == "bin"]
-        return any(rim > thing.z + PALM_UP_M for rim in rims)
-
-    def _carriers(self, name: str) -> Iterator[str]:
-        """What it rests on, and so on down."""
-        found, below = {name}, self.below.get(name)
-        while below is not None and below in self.present and below not in found:
-            found.add(below)
-            yield below
-            below = self.below.get(below)
+        holders = (self.present[each] for each in downward(thing.name, self.below) if each in self.present)
+        return any(each.type == "bin" and each.top > thing.z + PALM_UP_M for each in holders)
 
     def plan(self) -> Plan | None:
         for clearances in (CLEARANCES_M[:2], CLEARANCES_M[2:]):

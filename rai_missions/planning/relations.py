@@ -10,7 +10,9 @@ the tolerance.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
+from itertools import combinations
 from typing import Any
 
 from rai_missions.planning.geometry import gap, overhang, past_an_end, turned
@@ -48,7 +50,8 @@ from rai_missions.planning.tolerances import (
 )
 
 __all__ = (
-    "Truth", "at_first_poses", "columns", "covers", "holds", "inner", "reached", "rests_in", "rests_on", "support",
+    "Truth", "are_linked", "at_first_poses", "columns", "covers", "downward", "holds", "inner", "reached", "rests_in",
+    "rests_on", "support",
 )  # fmt: skip
 
 Truth = bool | None
@@ -156,9 +159,28 @@ def _on_desk(thing: Thing, scene: Scene, margin: float) -> bool:
     )
 
 
-def _is_carried(thing: Thing, scene: Scene, margin: float) -> bool:
-    """Whether a thing rests on the desk, or on or in anything on it: not in the air, and not on the floor."""
-    return support(thing.name, scene, margin) is not None
+def _are_carried(things: Iterable[Thing], scene: Scene, margin: float) -> bool:
+    """Whether things rest on the desk, or on or in anything on it: not in the air, and not on the floor."""
+    return all(support(thing.name, scene, margin) is not None for thing in things)
+
+
+def downward(name: str | None, below: Mapping[str, str | None]) -> Iterator[str]:
+    """A thing, what carries it, and so on down, the desk not counted; it ends where a circle closes."""
+    found = set[str]()
+    while name is not None and name != DESK and name not in found:
+        found.add(name)
+        yield name
+        name = below.get(name)
+
+
+def are_linked(things: Sequence[Thing], is_near: Callable[[Thing, Thing], bool]) -> bool:
+    """Whether a way leads from each thing to every other, always on to one that is near."""
+    linked, waiting = [*things[:1]], [*things[1:]]
+    for thing in linked:  # it grows meanwhile
+        found = [each for each in waiting if is_near(each, thing)]
+        linked += found
+        waiting = [each for each in waiting if each not in found]
+    return not waiting
 
 
 # -- one test a kind of predicate --------------------------------------------------------------------------------------
@@ -174,7 +196,7 @@ def _on(predicate: OnTop, scene: Scene, margin: float) -> bool:
 def _at(predicate: AtPlace, scene: Scene, margin: float) -> bool:
     thing = scene.thing(predicate.at)
     off = math.dist((thing.x, thing.y), (predicate.x, predicate.y))
-    return off <= AT + margin * thing.sigma_m and _is_carried(thing, scene, margin)
+    return off <= AT + margin * thing.sigma_m and _are_carried([thing], scene, margin)
 
 
 def _in(predicate: InContainer, scene: Scene, margin: float) -> bool:
@@ -198,7 +220,7 @@ def _beyond(predicate: Beyond, scene: Scene, margin: float) -> bool:
     further, other = (scene.thing(name) for name in predicate.pair)
     tolerance = LEFT_OF + margin * math.hypot(further.sigma_m, other.sigma_m)
     free = further.footprint.extent(predicate.axis)[0] - other.footprint.extent(predicate.axis)[1]
-    carried = _is_carried(further, scene, margin) and _is_carried(other, scene, margin)
+    carried = _are_carried((further, other), scene, margin)
     if predicate.gap_m is None:
         return carried and -free <= tolerance
     one, two = (thing.footprint.extent(1 - predicate.axis) for thing in (further, other))
@@ -209,9 +231,8 @@ def _beyond(predicate: Beyond, scene: Scene, margin: float) -> bool:
 def _between(predicate: Between, scene: Scene, margin: float) -> bool:
     middle, *ends = things = [scene.thing(name) for name in predicate.between]
     tolerance = BETWEEN + margin * max(math.hypot(middle.sigma_m, end.sigma_m) for end in ends)
-    return past_an_end(*(thing.footprint for thing in things)) <= tolerance and all(
-        _is_carried(thing, scene, margin) for thing in things
-    )
+    past = past_an_end(*(thing.footprint for thing in things))
+    return past <= tolerance and _are_carried(things, scene, margin)
 
 
 def _next_to(predicate: NextTo, scene: Scene, margin: float) -> bool:
@@ -220,21 +241,13 @@ def _next_to(predicate: NextTo, scene: Scene, margin: float) -> bool:
     return (
         gap(one.footprint, other.footprint) <= NEXT_TO + margin * sigma
         and abs(one.bottom - other.bottom) <= LEVEL + margin * sigma
-        and _is_carried(one, scene, margin)
-        and _is_carried(other, scene, margin)
+        and _are_carried((one, other), scene, margin)
     )
 
 
 def _grouped(predicate: Grouped, scene: Scene, margin: float) -> bool:
     things = [scene.thing(name) for name in predicate.grouped]
-    near, waiting = [things[0]], things[1:]
-    while waiting:
-        found = next((each for each in waiting if any(_are_near(each, other, margin) for other in near)), None)
-        if found is None:
-            return False
-        near.append(found)
-        waiting.remove(found)
-    return all(_is_carried(thing, scene, margin) for thing in things)
+    return are_linked(things, partial(_are_near, margin=margin)) and _are_carried(things, scene, margin)
 
 
 def _are_near(one: Thing, other: Thing, margin: float) -> bool:
@@ -245,9 +258,8 @@ def _apart(predicate: Apart, scene: Scene, margin: float) -> bool:
     things = [scene.thing(name) for name in predicate.apart]
     return all(
         APART_M - gap(one.footprint, other.footprint) <= APART + margin * math.hypot(one.sigma_m, other.sigma_m)
-        for place, one in enumerate(things)
-        for other in things[:place]
-    ) and all(_is_carried(thing, scene, margin) for thing in things)
+        for other, one in combinations(things, 2)
+    ) and _are_carried(things, scene, margin)
 
 
 TESTS: Mapping[type[Predicate], Callable[[Any, Scene, float], bool]] = {
