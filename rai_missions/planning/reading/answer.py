@@ -9,11 +9,12 @@ from typing import Any
 from rai_missions.errors import DefinitionError
 from rai_missions.planning.goal import Goal, read_goal
 from rai_missions.planning.reading.lexicon import Vocabulary, lexicon, lexicons
+from rai_missions.planning.reading.neighbours import symbols
 from rai_missions.planning.reading.noun_phrases import Cursor, noun_phrases
 from rai_missions.planning.reading.phrases import Unread
 from rai_missions.planning.reading.read import read_request, reading_data, reading_of
 from rai_missions.planning.reading.reading import RequestReading
-from rai_missions.planning.reading.symbols import LONGEST_REQUEST, symbols, words_of
+from rai_missions.planning.reading.symbols import LONGEST_REQUEST, words_of
 from rai_missions.planning.reading.things import Things
 from rai_missions.planning.scene import Scene
 from rai_missions.planning.text.numbers import ordinal

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 
 from rai_missions.planning.reading.lexicon import Vocabulary, lexicon, lexicons
 from rai_missions.planning.reading.symbols import SUBJECTS, Symbol, past, up_to
-from rai_missions.planning.scene import CONTAINERS
 
 __all__ = ("without_asides",)
 
@@ -62,8 +61,9 @@ def _with_topic(found: Sequence[Symbol], words: Vocabulary) -> Sequence[Symbol]:
     before, wish = found[:end], found[end + 1 :]
     if len(before) > 1 and (before[-1].kind, before[-1].value) == ("level", "middle"):
         return _around([each for each in before[:-1] if each.kind != "put"], wish) or found
-    at = next((at for at, each in enumerate(wish) if each.kind in SUBJECTS and not _is_place(each)), len(wish))
-    begun = next((at for at, each in enumerate(before) if each.kind in TOPIC), end)
+    # where the wish puts something is not what it is about: `into the bin with it`, `bin it`
+    at = next((at for at, each in enumerate(wish) if each.kind in SUBJECTS and not each.is_container), len(wish))
+    begun = up_to(before, 0, TOPIC)
     until = past(before, begun, (*TOPIC, "and"))
     ahead = begun - (0 < begun < end and before[begun - 1].kind == "pronoun")  # `that tomato`
     topic, others = before[begun:until], [*before[:ahead], *before[until:]]
@@ -95,11 +95,6 @@ def _may_be(pronoun: Symbol, topic: Sequence[Symbol], words: Vocabulary) -> bool
     nouns = [each.value.is_many for each in topic if each.kind == "noun"]
     is_many = any(each.kind == "and" for each in topic) or any(nouns) or None in nouns
     return bool(named) and (pronoun.text in words.data["one_or_many"] or is_many == (pronoun.value == "many"))
-
-
-def _is_place(symbol: Symbol) -> bool:
-    """Whether it is where the wish puts something: `into the bin with it`, `bin it`."""
-    return symbol.kind == "noun" and bool(symbol.value.types <= CONTAINERS)
 
 
 def _is_plain(symbol: Symbol, words: Vocabulary) -> bool:

@@ -79,7 +79,7 @@ class GoalWriter:
         found += self._exchanges()
         if self._empty and not found:
             where = self._things.listed(tuple(self._empty[:1]))
-            raise Unread("absent", self._things.lexicon.text("nothing_there", where), refused=True)
+            raise self._things.lexicon.unread("nothing_there", where, reason="absent", refused=True)
         self._check_swapped(found)
         return [each for at, each in enumerate(found) if each not in found[:at]]
 
@@ -89,12 +89,13 @@ class GoalWriter:
             others = [*found[:at], *found[at + 1 :]]
             elsewhere = {name for other in others for name in moved_by(other)}
             if moved := [name for name in each.get("swapped", ()) if name in elsewhere]:
-                text = self._things.lexicon.text("swapped_and_moved", self._things.listed(tuple(moved[:1])))
-                raise Unread("order", text)
+                raise self._ask_order("swapped_and_moved", moved[0])
             placed = (other for other in others if other.keys() & PLACED)
             if "shifted" in each and any(each["shifted"] in moved_by(other) for other in placed):
-                text = self._things.lexicon.text("shifted_and_moved", self._things.listed((each["shifted"],)))
-                raise Unread("order", text)
+                raise self._ask_order("shifted_and_moved", each["shifted"])
+
+    def _ask_order(self, text: str, name: str) -> Unread:
+        return self._things.lexicon.unread(text, self._things.listed((name,)), reason="order")
 
     def _of(self, clause: Clause) -> Iterable[Plain]:
         rules: Mapping[str, Callable[[Clause], Iterable[Plain]]] = {
@@ -203,9 +204,8 @@ class GoalWriter:
             return alternatives
         lexicon, where = self._things.lexicon, f"'{spoken(place)}'"
         if phrase.kind in ("everything", "rest"):
-            raise Unread("absent", lexicon.text("nothing_there", where), refused=True)
-        text = lexicon.text("none_there", f"'{phrase.text}'", where)
-        raise Unread("absent", text, refused=True)
+            raise lexicon.unread("nothing_there", where, reason="absent", refused=True)
+        raise lexicon.unread("none_there", f"'{phrase.text}'", where, reason="absent", refused=True)
 
     def _unstack(self, clause: Clause) -> Iterable[Plain]:
         """`the cubes off each other`: those that lie on another of them come onto the desk."""
@@ -213,7 +213,7 @@ class GoalWriter:
         among = names if clause.subjects else [each.name for each in self._things.scene.things]
         lying = [name for name in names if any(self._lies_on(name, other) for other in among)]
         if not lying:
-            raise Unread("absent", self._things.lexicon.text("none_stacked", self._things.listed(names)), refused=True)
+            raise self._things.lexicon.unread("none_stacked", self._things.listed(names), reason="absent", refused=True)
         self._meant.note(subjects=tuple(lying))
         return each_of("on", self._meant.subjects, DESK)
 

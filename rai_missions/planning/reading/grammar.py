@@ -15,7 +15,7 @@ from rai_missions.planning.reading.noun_phrases import (
     Cursor,
     noun_phrases,
 )
-from rai_missions.planning.reading.phrases import Clause, ClauseKind, Phrase, Unread
+from rai_missions.planning.reading.phrases import Clause, ClauseKind, Phrase
 from rai_missions.planning.reading.places import gap
 from rai_missions.planning.reading.row_words import ordered_row
 from rai_missions.planning.reading.swaps import swaps
@@ -45,10 +45,10 @@ def clauses(symbols: Sequence[Symbol], lexicon: Vocabulary) -> tuple[Clause, ...
     while rules.cursor.kind():
         found += rules.clause(found)
         if rules.cursor.kind() and not rules.cursor.skip(*BETWEEN):
-            raise rules.unread()
+            raise lexicon.unread()
         rules.cursor.skip(*BETWEEN, "put")
     if not found:
-        raise rules.unread()
+        raise lexicon.unread()
     if all(each.kind == "stay" for each in found):
         found = [replace(each, is_open=True) for each in found]  # an order that moves nothing
     rules.check_towers(found)
@@ -90,7 +90,7 @@ class Rules(ThingClauses):
             Unread: It has fewer.
         """
         if sum(each.kind in ("on", "stack", "under") for each in found) < self._towers:
-            raise Unread("order", self.lexicon.text("order"))
+            raise self.lexicon.unread("order")
 
     def clause(self, before: Sequence[Clause]) -> list[Clause]:
         """The clauses of the rule that fits here.
@@ -111,7 +111,7 @@ class Rules(ThingClauses):
         if is_tower(cursor):
             self._towers += skip_several(cursor)
         if is_tower(cursor) or (cursor.kind() == "level" and cursor.kind(1) in (*BEFORE_NOUN, ":")):
-            found = tower(cursor, self.lexicon, self.unread)
+            found = tower(cursor, self.lexicon)
             if before and before[-1].kind == "held" and not (found[0].subjects or found[0].levels):
                 found = [replace(found[0], subjects=THOSE)]  # `take red and blue, and make a tower`
             return self._after(found)
@@ -147,7 +147,7 @@ class Rules(ThingClauses):
         is_there = is_held and found.kind in WHERE
         is_it = any(each.kind == "pronoun" for each in found.subjects)
         if (is_held and found.kind in NEAR_IT) or (self._is_grasped_there and is_it):
-            raise self.unread()
+            raise self.lexicon.unread()
         self._is_grasped_there = is_there
 
     def _after(self, found: list[Clause]) -> list[Clause]:
@@ -159,7 +159,7 @@ class Rules(ThingClauses):
         """`put A where B is and vice versa`."""
         last = before[-1] if before else None
         if last is None or last.kind != "place_of" or last.target is None or len(last.subjects) != 1:
-            raise self.unread()
+            raise self.lexicon.unread()
         self.cursor.take()
         return Clause("place_of", (last.target,), last.subjects[0])
 
@@ -185,7 +185,7 @@ class Rules(ThingClauses):
         if found := noun_phrases(cursor):
             return [Clause(relation, found, target, ends=ends)]
         if self._before is None:
-            raise self.unread()
+            raise self.lexicon.unread()
         cursor.back_to(begun)  # `take it off the tower, and put it next to the apple`
         return [Clause(relation, THOSE, target, ends=ends, is_open=self._before != "off")]
 
@@ -194,7 +194,7 @@ class Rules(ThingClauses):
         self.cursor.take()
         target = self._thing()
         if not self.cursor.skip("with"):
-            raise self.unread()
+            raise self.lexicon.unread()
         return [Clause("in", self._members(), target)]
 
     def _empty(self) -> list[Clause]:
@@ -219,7 +219,7 @@ class Rules(ThingClauses):
         self.cursor.skip(*LISTED, "put")
         subjects = self._things()
         if self._gap is None:
-            raise self.unread()
+            raise self.lexicon.unread()
         return self._related(subjects)
 
     def _pairs(self) -> tuple[tuple[Phrase, ...], tuple[Phrase, ...]]:
@@ -273,7 +273,7 @@ class Rules(ThingClauses):
         cursor.skip(":")
         subjects = self._things()
         if cursor.kind() not in ("by", "relation", "put"):
-            raise self.unread()
+            raise self.lexicon.unread()
         return self._about(subjects, is_held=False)
 
     def _into(self) -> list[Clause]:

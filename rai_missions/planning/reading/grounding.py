@@ -14,7 +14,7 @@ from rai_missions.planning.goal import AtPlace, Beyond, Goal, Shifted
 from rai_missions.planning.reading.lexicon import Vocabulary, lexicon, lexicons
 from rai_missions.planning.reading.relation_words import relations_in
 from rai_missions.planning.reading.rewrites import rewritten
-from rai_missions.planning.reading.symbols import RANKING, Quantity, Symbol
+from rai_missions.planning.reading.symbols import RANKING, Quantity, Symbol, kind_at, past
 from rai_missions.planning.scene import CONTAINERS, Scene, Thing, has_colour
 
 __all__ = ("IN_ORDER", "is_said", "unsaid")
@@ -105,7 +105,7 @@ class _Evidence:
             self.coloured |= {(symbol.value, types) for types in _heads(found, at)}
         elif symbol.kind == "noun":
             before = _before(found, at)
-            is_coloured = at > 0 and found[at - 1].kind == "colour"
+            is_coloured = kind_at(found, at - 1) == "colour"
             if not is_coloured:
                 self.one |= symbol.value.types
             if (symbol.value.is_many is not False and not is_coloured) or before & MEANING_MORE:
@@ -154,16 +154,11 @@ class _Evidence:
 
 def _heads(found: Sequence[Symbol], at: int) -> Iterator[frozenset[str] | None]:
     """The types of the noun that a colour is before, also over a list: `the red and the blue cube`."""
-    ahead = at + 1
-    if ahead < len(found) and found[ahead].kind == "noun":
+    ahead = past(found, at + 1, (",", "and", "or", "colour", *ARTICLES))
+    if ahead > at + 1 or kind_at(found, ahead) != "noun":
+        yield None
+    if kind_at(found, ahead) == "noun":
         yield found[ahead].value.types
-        return
-    yield None
-    while ahead < len(found) and found[ahead].kind in (",", "and", "or", "colour", *ARTICLES):
-        ahead += 1
-        if ahead < len(found) and found[ahead].kind == "noun":
-            yield found[ahead].value.types
-            return
 
 
 def _before(found: Sequence[Symbol], at: int) -> set[str]:
@@ -175,14 +170,14 @@ def _before(found: Sequence[Symbol], at: int) -> set[str]:
 
 
 def _has_noun(found: Sequence[Symbol], at: int) -> bool:
-    return at + 1 < len(found) and found[at + 1].kind == "noun"
+    return kind_at(found, at + 1) == "noun"
 
 
 def _is_place(found: Sequence[Symbol], at: int) -> bool:
     """Whether a word of where comes before the articles here."""
-    while at > 0 and found[at - 1].kind in ARTICLES:
+    while kind_at(found, at - 1) in ARTICLES:
         at -= 1
-    return at > 0 and found[at - 1].kind == "relation"
+    return kind_at(found, at - 1) == "relation"
 
 
 def _is_meant(name: str, evidence: _Evidence, scene: Scene | None) -> bool:

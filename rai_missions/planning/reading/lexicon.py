@@ -12,6 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from rai_missions.planning.reading.phrases import Unread
 from rai_missions.planning.text.language_file import LanguageTexts, language_codes, language_file, word_forms
 from rai_missions.planning.text.normalise import each_way, is_near, is_slip
 
@@ -67,6 +68,17 @@ class Vocabulary(LanguageTexts):
         self.cutting = frozenset(data["cutting"])
         """Words that are not read and may say where a thing is to be, so that what is after them is not offered."""
         self.number_words = frozenset(data["numbers"]) | frozenset(data["hundred"]) | {data["minus"]}
+
+    def unread(self, text: str = "unread", *values: object, reason: str = "", refused: bool = False) -> Unread:
+        """What a request is not read for, in the language's words.
+
+        Args:
+            text: The name of the sentence.
+            values: For its places, in their order.
+            reason: Its code, where that is not the sentence's name.
+            refused: Whether it is refused and not asked back.
+        """
+        return Unread(reason or text, self.text(text, *values), refused=refused)
 
     def longest(self, words: Sequence[str], at: int) -> tuple[int, WordSense] | None:
         """The longest phrase that begins at a word: its number of words, and what it is."""

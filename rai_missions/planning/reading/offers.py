@@ -12,7 +12,7 @@ from itertools import pairwise
 
 from rai_missions.planning.goal import Goal
 from rai_missions.planning.reading.lexicon import Vocabulary
-from rai_missions.planning.reading.symbols import DIVIDING, Symbol, up_to
+from rai_missions.planning.reading.symbols import DIVIDING, Symbol, kind_at, up_to
 
 __all__ = ("goals_of_rest", "is_offered")
 
@@ -88,7 +88,7 @@ def _may_ask(part: Part, at: int) -> bool:
     """Whether an unknown word may be a thing, `a quux on the tray`, or what is to be done: `quux the apple`."""
     if part[at].kind != "unknown":
         return False
-    before, after = part[at - 1].kind if at else ",", part[at + 1].kind if at + 1 < len(part) else ","
+    before, after = kind_at(part, at - 1) or ",", kind_at(part, at + 1) or ","
     clause = part[at : up_to(part, at, DIVIDING)]
     is_thing = before in ("the", "a", "all") and after in (*DIVIDING, "relation")
     is_verb = before in DIVIDING and after in ("the", "a", "all", "noun", "colour")

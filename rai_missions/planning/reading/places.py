@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from rai_missions.planning.reading.lexicon import Vocabulary
 from rai_missions.planning.reading.noun_phrases import Cursor
-from rai_missions.planning.reading.phrases import Unread
 from rai_missions.planning.reading.symbols import Quantity
 
 __all__ = ("gap", "has_place", "place", "shift")
@@ -43,18 +42,18 @@ def place(cursor: Cursor, lexicon: Vocabulary) -> tuple[float, float]:
     for name in "xy":
         quantity, axis = _coordinate(cursor, name)
         if quantity is None or axis in found:
-            raise Unread("coordinates", lexicon.text("coordinates"))
+            raise lexicon.unread("coordinates")
         found[axis] = quantity
         if len(found) == 1:
             cursor.skip(",", "and")
     if is_open and not cursor.skip(")"):
-        raise Unread("coordinates", lexicon.text("coordinates"))
+        raise lexicon.unread("coordinates")
     first, second = found.values()
     metres = dict(zip(found, (_metres(first, None, lexicon), _metres(second, first, lexicon)), strict=True))
     if first.unit is None and second.unit is not None:
-        raise Unread("number", lexicon.text("number", f"{first.value:g}"))
+        raise lexicon.unread("number", f"{first.value:g}")
     if set(metres) != {"x", "y"}:
-        raise Unread("coordinates", lexicon.text("coordinates"))
+        raise lexicon.unread("coordinates")
     return metres["x"], metres["y"]
 
 
@@ -76,14 +75,14 @@ def _metres(quantity: Quantity, before: Quantity | None, lexicon: Vocabulary) ->
     unit = quantity.unit
     if unit is None and before is not None and before.unit not in (None, 1.0):
         if not quantity.is_whole:
-            raise Unread("number", lexicon.text("number", f"{quantity.value:g}"))
+            raise lexicon.unread("number", f"{quantity.value:g}")
         unit = before.unit
     return _near(quantity.value * (unit or 1.0), FARTHEST, lexicon)
 
 
 def _near(metres: float, most: float, lexicon: Vocabulary) -> float:
     if abs(metres) > most:
-        raise Unread("off_desk", lexicon.text("off_desk", f"{metres:g}"), refused=True)
+        raise lexicon.unread("off_desk", f"{metres:g}", refused=True)
     return round(metres, DIGITS)
 
 
@@ -104,7 +103,7 @@ def shift(cursor: Cursor, lexicon: Vocabulary) -> tuple[float, float] | None:
         cursor.back_to(before)
         return None
     if quantity.unit is None:
-        raise Unread("number", lexicon.text("number", f"{abs(quantity.value):g}"))
+        raise lexicon.unread("number", f"{abs(quantity.value):g}")
     metres = _near(quantity.value * quantity.unit, FARTHEST, lexicon)
     return (metres, 0.0) if axis == "x" else (0.0, metres)
 
@@ -125,7 +124,7 @@ def gap(cursor: Cursor, lexicon: Vocabulary) -> float | None:
     quantity: Quantity = cursor.take().value
     cursor.skip("gap")
     if quantity.unit is None:
-        raise Unread("number", lexicon.text("number", f"{quantity.value:g}"))
+        raise lexicon.unread("number", f"{quantity.value:g}")
     if quantity.value < 0:
-        raise Unread("number", lexicon.text("left_out", f"{quantity.value:g}"))
+        raise lexicon.unread("left_out", f"{quantity.value:g}", reason="number")
     return _near(quantity.value * quantity.unit, WIDEST, lexicon)

@@ -16,17 +16,18 @@ from rai_missions.planning.reading.arranging import left_out
 from rai_missions.planning.reading.describe import described
 from rai_missions.planning.reading.goal_writer import GoalWriter
 from rai_missions.planning.reading.lexicon import Vocabulary, lexicon, lexicons
+from rai_missions.planning.reading.neighbours import symbols
 from rai_missions.planning.reading.offers import goals_of_rest, is_offered
 from rai_missions.planning.reading.phrases import Clause, Phrase, Unread
 from rai_missions.planning.reading.picks import Picks, tries
 from rai_missions.planning.reading.reading import RequestReading
-from rai_missions.planning.reading.rewrites import rewritten
-from rai_missions.planning.reading.symbols import ENDS, LONGEST_REQUEST, MOST_WORDS, Symbol, symbols
+from rai_missions.planning.reading.rewrites import names_bin, put_away, rewritten, taken_out
+from rai_missions.planning.reading.symbols import ENDS, LONGEST_REQUEST, MOST_WORDS, Symbol, kind_at
 from rai_missions.planning.reading.things import Things
-from rai_missions.planning.reading.unknown import unknown_text
+from rai_missions.planning.reading.unknown import unknown_word
 from rai_missions.planning.reading.wishes import wishes_of
 from rai_missions.planning.relations import at_first_poses
-from rai_missions.planning.scene import CONTAINERS, Scene
+from rai_missions.planning.scene import Scene
 from rai_missions.redaction import clipped
 
 __all__ = ("language_of", "read_request", "reading_of")
@@ -111,7 +112,7 @@ def _read(request: str, scene: Scene, words: Vocabulary) -> _Attempt:
     found = rewritten(request, words) if len(request) <= LONGEST_REQUEST else []
     try:
         if len(request) > LONGEST_REQUEST or len(found) > MOST_WORDS:
-            raise Unread("too_long", words.text("too_long"))
+            raise words.unread("too_long")
         reading = _read_symbols(found, scene, words)
     except Unread as error:
         about = clipped(error.about, LONGEST_SENTENCE)
@@ -169,18 +170,18 @@ def _plain(found: list[Symbol], words: Vocabulary, scene: Scene) -> tuple[list[S
     """
     negated = (symbol for at, symbol in enumerate(found) if symbol.kind == "no" and not _is_limit(found, at))
     if (negation := next(negated, None)) is not None:
-        raise Unread("negated", words.text("negated", negation.text))
+        raise words.unread("negated", negation.text)
     if asked := next((symbol for symbol in found if symbol.kind == "asked"), None):
-        raise Unread("unread", words.text("asked", asked.text))
-    is_open = any(symbol.kind == "toss" for symbol in found) and not _names_bin(found)
+        raise words.unread("asked", asked.text, reason="unread")
+    is_open = any(symbol.kind == "toss" for symbol in found) and not names_bin(found)
     if any(symbol.kind == "toss" for symbol in found):
-        found = list(_put_away(found, words))
+        found = list(put_away(found, words))
     _refuse_forbidden(found, words)
-    found = _taken_out(found, words)
+    found = taken_out(found, words)
     if unknown := next((symbol for symbol in found if symbol.kind in ("unknown", "forbidden")), None):
-        raise Unread("unknown_word", unknown_text(found, found.index(unknown), scene, words))
+        raise unknown_word(found, found.index(unknown), scene, words)
     if _is_part_of_place([symbol for symbol in found if symbol.kind not in ("the", "a")]):
-        raise Unread("coordinates", words.text("coordinates"))
+        raise words.unread("coordinates")
     plain = [symbol for symbol in found if symbol.kind != "sorted"]
     return plain, len(plain) == len(found) and not is_open
 
@@ -210,7 +211,7 @@ def _meant(way: Sequence[Symbol], wishes: tuple[Clause, ...], scene: Scene, word
             raise
         absent, (goals, is_whole) = error.about, _goals_or(error, present, scene, words)
     if word := left_out(way, goals[0]):
-        raise Unread("unread", words.text("left_out", word))
+        raise words.unread("left_out", word, reason="unread")
     is_sure = is_whole and not absent and not any(each.kind == "towers" or each.is_open for each in wishes)
     return MeantGoals(goals, is_sure, absent)
 
@@ -254,7 +255,7 @@ def _is_limit(found: Sequence[Symbol], at: int) -> bool:
 def _is_part_of_place(found: Sequence[Symbol]) -> bool:
     """`in the middle of the desk`, `at the bottom of the bin`: a place without numbers, and no level of a tower."""
     return any(
-        level.kind == "level" and word.kind == "with" and (where.kind == "desk" or _is_container(where))
+        level.kind == "level" and word.kind == "with" and (where.kind == "desk" or where.is_container)
         for level, word, where in zip(found, found[1:], found[2:], strict=False)
     )
 
@@ -267,66 +268,11 @@ def _covers_all(wishes: Sequence[Clause], goal: Goal) -> bool:
     return is_bare_tower or any((each.is_many or each.is_all) and each.count is None for each in _phrases(wishes))
 
 
-def _put_away(found: Sequence[Symbol], words: Vocabulary) -> Iterator[Symbol]:
-    """`throw the carrot away` with the bin as where; any other throw stays as it is, and is forbidden."""
-    into_bin = [
-        Symbol(sense.kind, sense.value, " ".join(phrase))
-        for phrase, sense in words.phrases.items()
-        if sense.kind == "noun" and sense.value.types == {"bin"}
-    ]
-    names_bin = _names_bin(found)
-    found = [  # `throw the carrot out`
-        symbol._replace(kind="away") if symbol.text in words.data["out"] else symbol for symbol in found
-    ]
-    is_away = any(symbol.kind == "away" or _is_thrown_away(symbol) for symbol in found)
-    for symbol in found:
-        if symbol.kind == "toss" and (names_bin or is_away):
-            yield symbol._replace(kind="put")
-        elif symbol.kind != "away":
-            yield symbol
-        if not names_bin and (symbol.kind == "away" or _is_thrown_away(symbol)):
-            yield Symbol("relation", "in", symbol.text)
-            yield from into_bin[:1]
-
-
-def _names_bin(found: Sequence[Symbol]) -> bool:
-    return any(symbol.kind == "noun" and symbol.value.types == {"bin"} for symbol in found)
-
-
-def _is_thrown_away(symbol: Symbol) -> bool:
-    return symbol.kind == "toss" and bool(symbol.value == "away")
-
-
-def _taken_out(found: list[Symbol], words: Vocabulary) -> list[Symbol]:
-    """`take the apple out of the tray`: `out of` a container is `off`; words for what is apart are not."""
-    if any(symbol.kind == "apart" or symbol.value == "apart" for symbol in found):
-        return found
-    return [
-        symbol._replace(kind="relation", value="off")
-        if symbol.kind == "with" and symbol.text in words.data["out_of"] and _is_container_next(found[at + 1 :])
-        else symbol
-        for at, symbol in enumerate(found)
-    ]
-
-
-def _is_container_next(found: Sequence[Symbol]) -> bool:
-    after = next((symbol for symbol in found if symbol.kind not in ("the", "a")), None)
-    return after is not None and _is_container(after)
-
-
-def _is_container(symbol: Symbol) -> bool:
-    return symbol.kind == "noun" and symbol.value.types <= CONTAINERS
-
-
 def _refuse_forbidden(found: Sequence[Symbol], words: Vocabulary) -> None:
     for at, symbol in enumerate(found):
-        is_verb = symbol.value != "act" or {_kind(found, at - 1), _kind(found, at + 1)} & {"", *ENDS}
+        is_verb = symbol.value != "act" or {kind_at(found, at - 1), kind_at(found, at + 1)} & {"", *ENDS}
         if symbol.kind == "toss" or (symbol.kind == "forbidden" and is_verb):
-            raise Unread("forbidden", words.text("forbidden", symbol.text), refused=True)
-
-
-def _kind(found: Sequence[Symbol], at: int) -> str:
-    return found[at].kind if 0 <= at < len(found) else ""
+            raise words.unread("forbidden", symbol.text, refused=True)
 
 
 def _goals(found: tuple[Clause, ...], scene: Scene, words: Vocabulary) -> tuple[list[Goal], bool]:
@@ -349,7 +295,7 @@ def _goals(found: tuple[Clause, ...], scene: Scene, words: Vocabulary) -> tuple[
     if not goals:
         raise faults[0]
     if count == MOST_TRIES:
-        raise Unread("ambiguous", words.text("unread"))
+        raise words.unread(reason="ambiguous")
     return list(goals.values()), not faults
 
 
@@ -361,8 +307,8 @@ def _goal(things: Things, found: tuple[Clause, ...], picks: Picks, words: Vocabu
     try:
         goal = read_goal({"all": predicates})
     except DefinitionError:
-        return Unread("contradiction", words.text("contradiction"), refused=True)
-    return goal if isinstance(goal, Goal) else Unread("unread", words.text("unread"))
+        return words.unread("contradiction", refused=True)
+    return goal if isinstance(goal, Goal) else words.unread()
 
 
 def _phrases(found: Sequence[Clause]) -> Iterator[Phrase]:

@@ -10,7 +10,6 @@ from collections.abc import Iterable, Mapping
 
 from rai_missions.planning.reading.rows import ROW
 from rai_missions.planning.reading.symbols import DIVIDING, RANKS, Symbol
-from rai_missions.planning.scene import CONTAINERS
 
 __all__ = ("relations_in",)
 
@@ -75,7 +74,7 @@ def relations_in(found: Iterable[Symbol]) -> frozenset[str]:
     meant, before, sides = frozenset[str](), ",", set[str]()
     for symbol in found:
         is_first, before = before in DIVIDING, symbol.kind
-        if is_first and symbol.kind == "noun" and symbol.value.types <= CONTAINERS:
+        if is_first and symbol.is_container:
             meant |= {"in"}  # `bin the tomato`
         if symbol.kind == "no":
             return frozenset()

@@ -11,10 +11,11 @@ from typing import Any
 
 from rai_missions.planning.reading.asides import without_asides
 from rai_missions.planning.reading.lexicon import Vocabulary
-from rai_missions.planning.reading.symbols import DIVIDING, ENDS, NAMING, Symbol, past, symbols, up_to
+from rai_missions.planning.reading.neighbours import symbols
+from rai_missions.planning.reading.symbols import DIVIDING, ENDS, NAMING, Symbol, kind_at, past, up_to
 from rai_missions.planning.scene import CONTAINERS
 
-__all__ = ("rewritten",)
+__all__ = ("names_bin", "put_away", "rewritten", "taken_out")
 
 
 def rewritten(request: str, lexicon: Vocabulary) -> list[Symbol]:
@@ -33,15 +34,14 @@ def rewritten(request: str, lexicon: Vocabulary) -> list[Symbol]:
 
 def _is_particle(found: Sequence[Symbol], at: int, data: Mapping[str, Any]) -> bool:
     """Whether it only completes a verb: `räum … auf`, `setz … ab`."""
-    is_last = at + 1 == len(found) or found[at + 1].kind in DIVIDING
+    is_last = kind_at(found, at + 1) in ("", *DIVIDING)
     return found[at].kind == "particle" or (is_last and data["prefixes"].get(found[at].text) == "")
 
 
 def _is_formal(found: Sequence[Symbol], at: int, data: Mapping[str, Any]) -> bool:
     """Whether it is who is addressed after a verb: `legen Sie den Apfel …`; what is to be put follows."""
-    before, after = found[at - 1] if at else None, found[at + 1].kind if at + 1 < len(found) else ""
-    is_verb = before is not None and before.kind in ("put", "grasp", "stack", "swap", "group", "apart", "sort")
-    return found[at].text in data["formal"] and is_verb and after in NAMING
+    is_verb = kind_at(found, at - 1) in ("put", "grasp", "stack", "swap", "group", "apart", "sort")
+    return found[at].text in data["formal"] and is_verb and kind_at(found, at + 1) in NAMING
 
 
 def _excluding(found: Sequence[Symbol], data: Mapping[str, Any]) -> list[Symbol]:
@@ -116,10 +116,7 @@ def _taken_back(found: list[Symbol], data: Mapping[str, Any]) -> list[Symbol]:
     signs = (",", ".")
     return [
         symbol._replace(kind="rather")
-        if symbol.text in data["no"]
-        and found[at - 1 : at]
-        and found[at - 1].kind in signs
-        and any(each.kind in signs for each in found[at + 1 : at + 2])
+        if symbol.text in data["no"] and kind_at(found, at - 1) in signs and kind_at(found, at + 1) in signs
         else symbol
         for at, symbol in enumerate(found)
     ]
@@ -184,9 +181,7 @@ def _runs(found: Sequence[Symbol]) -> Iterator[slice]:
     """Where phrases about things are."""
     at = 0
     while at < len(found):
-        end = at
-        while end < len(found) and found[end].kind in NAMING:
-            end += 1
+        end = past(found, at, NAMING)
         if end > at:
             yield slice(at, end)
         at = end + 1
@@ -211,15 +206,18 @@ def _moved_out(found: list[Symbol], data: Mapping[str, Any]) -> list[Symbol]:
     """`whatever is in the bin`: what is there, off where it is."""
     return [
         symbol._replace(value="off")
-        if symbol.kind == "relation" and place and found[place - 1].text in data["whatever"] and _holds(found[place:])
+        if symbol.kind == "relation"
+        and place
+        and found[place - 1].text in data["whatever"]
+        and _is_container_next(found[place + 1 :])
         else symbol
         for place, symbol in enumerate(found)
     ]
 
 
-def _holds(found: Sequence[Symbol]) -> bool:
-    noun = next((symbol for symbol in found[1:] if symbol.kind not in ("the", "a")), None)
-    return noun is not None and noun.kind == "noun" and noun.value.types <= CONTAINERS
+def _is_container_next(found: Sequence[Symbol]) -> bool:
+    noun = next((symbol for symbol in found if symbol.kind not in ("the", "a")), None)
+    return noun is not None and noun.is_container
 
 
 def _cleared_tops(found: list[Symbol], data: Mapping[str, Any]) -> list[Symbol]:
@@ -230,3 +228,45 @@ def _cleared_tops(found: list[Symbol], data: Mapping[str, Any]) -> list[Symbol]:
         return found
     every = Symbol("everything", "", found[0].text)
     return [every, found[1]._replace(value="off"), *found[2:]]
+
+
+def put_away(found: Sequence[Symbol], words: Vocabulary) -> Iterator[Symbol]:
+    """`throw the carrot away` with the bin as where; any other throw stays as it is, and is forbidden."""
+    into_bin = [
+        Symbol(sense.kind, sense.value, " ".join(phrase))
+        for phrase, sense in words.phrases.items()
+        if sense.kind == "noun" and sense.value.types == {"bin"}
+    ]
+    is_binned = names_bin(found)
+    found = [  # `throw the carrot out`
+        symbol._replace(kind="away") if symbol.text in words.data["out"] else symbol for symbol in found
+    ]
+    is_away = any(symbol.kind == "away" or _is_thrown_away(symbol) for symbol in found)
+    for symbol in found:
+        if symbol.kind == "toss" and (is_binned or is_away):
+            yield symbol._replace(kind="put")
+        elif symbol.kind != "away":
+            yield symbol
+        if not is_binned and (symbol.kind == "away" or _is_thrown_away(symbol)):
+            yield Symbol("relation", "in", symbol.text)
+            yield from into_bin[:1]
+
+
+def names_bin(found: Sequence[Symbol]) -> bool:
+    return any(symbol.kind == "noun" and symbol.value.types == {"bin"} for symbol in found)
+
+
+def _is_thrown_away(symbol: Symbol) -> bool:
+    return symbol.kind == "toss" and bool(symbol.value == "away")
+
+
+def taken_out(found: list[Symbol], words: Vocabulary) -> list[Symbol]:
+    """`take the apple out of the tray`: `out of` a container is `off`; words for what is apart are not."""
+    if any(symbol.kind == "apart" or symbol.value == "apart" for symbol in found):
+        return found
+    return [
+        symbol._replace(kind="relation", value="off")
+        if symbol.kind == "with" and symbol.text in words.data["out_of"] and _is_container_next(found[at + 1 :])
+        else symbol
+        for at, symbol in enumerate(found)
+    ]

@@ -12,7 +12,7 @@ from rai_missions.planning.reading.noun_phrases import (
     ordered_phrases,
     with_limits,
 )
-from rai_missions.planning.reading.phrases import Clause, ClauseKind, Phrase, Unread
+from rai_missions.planning.reading.phrases import Clause, ClauseKind, Phrase
 from rai_missions.planning.reading.places import gap, has_place, place, shift
 from rai_missions.planning.reading.row_words import row_of, sides_of
 from rai_missions.planning.reading.swaps import swaps
@@ -49,15 +49,11 @@ class ThingClauses:
         self._gap: float | None = None
         self._before: ClauseKind | None = None
 
-    def unread(self) -> Unread:
-        """What is raised where no rule fits."""
-        return Unread("unread", self.lexicon.text("unread"))
-
     def _things(self) -> tuple[Phrase, ...]:
         """The phrases that must be here."""
         found = noun_phrases(self.cursor)
         if not found:
-            raise self.unread()
+            raise self.lexicon.unread()
         return found
 
     def _members(self) -> tuple[Phrase, ...]:
@@ -75,7 +71,7 @@ class ThingClauses:
         if found is None and (is_named or self.cursor.kind() == "tower"):
             return Phrase("tower", self.cursor.take().text)
         if found is None:
-            raise self.unread()
+            raise self.lexicon.unread()
         return found
 
     def _is_after(self, verb: str) -> bool:
@@ -88,7 +84,7 @@ class ThingClauses:
         self._skip_all()
         cursor.skip("put")
         if subjects[-1].kind == "there" or any(each.kind == "desk" for each in subjects):
-            raise self.unread()
+            raise self.lexicon.unread()
         short = (sides_of, self._contents, self._listed_in, self._stays, self._by_word)
         if cursor.kind() == ":" and cursor.kind(1) in ("axis", "(", "each_other", "swap", "relation"):
             cursor.take()
@@ -112,7 +108,7 @@ class ThingClauses:
             return self._related(subjects)
         if cursor.kind() in ("", ":", *BETWEEN) and (is_held or self._is_after("line")):
             return [Clause("held", subjects) if is_held else row_of(cursor, subjects)]  # `line up the cubes`
-        raise self.unread()
+        raise self.lexicon.unread()
 
     def _shift(self) -> tuple[float, float] | None:
         """How far from where it is a thing is moved; None where the words after it are a place.
@@ -124,7 +120,7 @@ class ThingClauses:
         if cursor.kind() != "number" or cursor.kind(1) != "side":
             return None
         if (metres := shift(cursor, self.lexicon)) is None and self._is_after("shift"):
-            raise Unread("coordinates", self.lexicon.text("coordinates"))
+            raise self.lexicon.unread("coordinates")
         return metres
 
     def _is_on_top(self) -> bool:
@@ -217,9 +213,9 @@ class ThingClauses:
 
     def _tower_of(self, subjects: tuple[Phrase, ...]) -> list[Clause]:
         is_named = self.cursor.kind() != "level"
-        found = tower(self.cursor, self.lexicon, self.unread, subjects)
+        found = tower(self.cursor, self.lexicon, subjects)
         if not is_named and len(found[0].levels) < 2:
-            raise self.unread()  # on top of what?
+            raise self.lexicon.unread()  # on top of what?
         return found
 
     def _related(self, subjects: tuple[Phrase, ...]) -> list[Clause]:
@@ -227,7 +223,7 @@ class ThingClauses:
         gap_m, self._gap = (self._gap, None) if self._gap is not None else (gap(cursor, self.lexicon), None)
         cursor.skip("with")
         if cursor.kind() != "relation":
-            raise self.unread()
+            raise self.lexicon.unread()
         relation: ClauseKind = cursor.take().value
         if relation == "to" and has_place(cursor):
             x, y = place(cursor, self.lexicon)
@@ -243,7 +239,7 @@ class ThingClauses:
         if gap_m is None and cursor.kind() in ("gap", "with", "number"):
             gap_m = gap(cursor, self.lexicon)
         if gap_m is not None and relation not in SIDES:
-            raise self.unread()
+            raise self.lexicon.unread()
         if relation == "in" and cursor.kind() == "with":
             cursor.take()
             subjects += noun_phrases(cursor) or ()
@@ -251,7 +247,7 @@ class ThingClauses:
         first = Clause(relation, subjects, target, gap_m=gap_m)
         if relation in CHAINED and cursor.kind() == "relation" and cursor.value() == relation:
             if target.others:
-                raise self.unread()  # `red on blue or green on yellow` is no chain
+                raise self.lexicon.unread()  # `red on blue or green on yellow` is no chain
             return [first, *self._related((target,))]
         if relation == "off" and (cursor.kind() == "relation" or has_place(cursor)):
             return [first, *self._about(THOSE, is_held=False)]  # `the apple from the tray to the bin`
@@ -265,7 +261,7 @@ class ThingClauses:
         """
         target = self._thing()
         if target.kind == "desk" and relation in NEAR_IT:
-            raise Unread("coordinates", self.lexicon.text("coordinates"))
+            raise self.lexicon.unread("coordinates")
         if self.cursor.kind() == "there" and self.cursor.kind(1) in ("", "put", *BETWEEN):
             self.cursor.take()  # `auf den blauen drauf`
         return target
@@ -274,7 +270,7 @@ class ThingClauses:
         """The two that a thing is to be between: `the red and the blue cube`, `both apples`."""
         found = noun_phrases(self.cursor, most=2)
         if not found or (len(found) == 1 and not (found[0].is_many or found[0].count == 2)):
-            raise self.unread()
+            raise self.lexicon.unread()
         return found
 
     def _placed(self, relation: ClauseKind, subjects: tuple[Phrase, ...]) -> Clause | None:
@@ -291,7 +287,7 @@ class ThingClauses:
     def _emptied(self, word: str, targets: tuple[Phrase, ...]) -> list[Clause]:
         """All that lies in a container comes out of it; `… into the bin` names where it goes."""
         if not all(each.is_container for each in targets):
-            raise self.unread()
+            raise self.lexicon.unread()
         self.cursor.skip("empty")
         every = Phrase("everything", word, is_many=True, is_all=True)
         *others, found = (Clause("off", (every,), target) for target in targets)
@@ -309,6 +305,6 @@ class ThingClauses:
         if whole and whole[0].kind == "pronoun":
             whole = ()  # `line them up from left to right: …`
         if len(subjects) < 2 or len(whole) > 1:
-            raise Unread("order", self.lexicon.text("order"))
+            raise self.lexicon.unread("order")
         subjects = subjects if is_from_left else subjects[::-1]
         return [Clause("in_order", subjects, whole[0] if whole else None)]

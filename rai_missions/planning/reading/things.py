@@ -74,7 +74,7 @@ class Things:
     def ask(self, text: str, *values: object) -> Unread:
         """What asks back, in the words of the request's language."""
         reason = text if text in ("pronoun", "order") else "unread"
-        return Unread(reason, self.lexicon.text(text, *values))
+        return self.lexicon.unread(text, *values, reason=reason)
 
     def _of_one(self, phrase: Phrase, taken: frozenset[str]) -> tuple[Names, ...]:
         if phrase.kind == "tower":
@@ -85,11 +85,11 @@ class Things:
             left_out = self._named | taken if phrase.kind == "rest" else frozenset[str]()
             found = self._set(phrase, [each for each in self._seen(phrase) if each.name not in left_out])
             if phrase.count not in (None, len(found)):
-                raise Unread("ambiguous", self._which(phrase, [self.scene.thing(name) for name in found]))
+                raise self._ambiguous(phrase, found)
             return (found,)
         matching, perhaps = self._matching(phrase)
         if phrase.epithet and len(matching) + len(perhaps) > 1:
-            raise Unread("unknown_word", self.lexicon.text("unknown_word", phrase.epithet))
+            raise self.lexicon.unread("unknown_word", phrase.epithet)
         if phrase.is_other:
             matching = [each for each in matching if each.name not in self._named | taken]
         if not matching:
@@ -103,7 +103,7 @@ class Things:
             return tuple(self._set(phrase, each) for each in sets)
         matching = [*matching, *perhaps]
         if len(matching) > 1 and (phrase.is_many or (phrase.count or 1) > 1 or phrase.is_all):
-            raise Unread("ambiguous", self._which(phrase, matching))
+            raise self._ambiguous(phrase, (each.name for each in matching))
         return tuple((each.name,) for each in matching)
 
     def _ranked(
@@ -126,7 +126,7 @@ class Things:
             for names in choices(self._among(phrase, sense, other), rank, phrase.count or 1, other)
         )
         if not found or (phrase.is_many and phrase.count is None):
-            raise Unread("ambiguous", self._which(phrase, matching))
+            raise self._ambiguous(phrase, (each.name for each in matching))
         return tuple(found)
 
     def _among(self, phrase: Phrase, things: Sequence[Thing], other: Thing | None) -> list[Thing]:
@@ -140,7 +140,7 @@ class Things:
         """
         meant = self.alternatives(phrase)
         if any(len(names) > 1 for names in meant):
-            raise Unread("ambiguous", self._which(phrase, [self.scene.thing(name) for name in meant[0]]))
+            raise self._ambiguous(phrase, meant[0])
         return [self.scene.thing(name) for (name,) in meant]
 
     def _chosen(self, phrase: Phrase, matching: Sequence[Thing], taken: frozenset[str]) -> Names:
@@ -152,7 +152,7 @@ class Things:
         left = [name for name in self._set(phrase, matching) if name not in self._named | taken]
         count = phrase.count or 1
         if len(left) < count:
-            raise Unread("ambiguous", self._which(phrase, matching))
+            raise self._ambiguous(phrase, (each.name for each in matching))
         return tuple(sorted(left, key=self._is_covered)[:count])
 
     def _is_covered(self, name: str) -> bool:
@@ -168,7 +168,7 @@ class Things:
     def _means_all(self, phrase: Phrase, matching: Sequence[Thing]) -> bool:
         if phrase.count is not None:
             if phrase.count > len(matching):
-                raise Unread("ambiguous", self._which(phrase, matching))
+                raise self._ambiguous(phrase, (each.name for each in matching))
             return phrase.count == len(matching)
         return phrase.is_all or (phrase.is_many and not phrase.is_any)
 
@@ -178,7 +178,7 @@ class Things:
             meant = self.alternatives(each)
             if len(meant) > 1:
                 several = dict.fromkeys(name for names in meant for name in names)
-                raise Unread("ambiguous", self._which(each, list(map(self.scene.thing, several))))
+                raise self._ambiguous(each, several)
             without.update(meant[0])
         names = tuple(each.name for each in things if each.name not in without and each.type not in phrase.not_types)
         if not names:
@@ -249,8 +249,8 @@ class Things:
 
     def _absent(self, phrase: Phrase) -> Unread:
         seen = [each.name for each in self.scene.things]
-        text = self.lexicon.text("absent" if seen else "nothing_seen", f"'{phrase.text}'", self.listed(seen))
-        return Unread("absent", text, refused=True)
+        text = "absent" if seen else "nothing_seen"
+        return self.lexicon.unread(text, f"'{phrase.text}'", self.listed(seen), reason="absent", refused=True)
 
-    def _which(self, phrase: Phrase, matching: Sequence[Thing]) -> str:
-        return self.lexicon.text("many", f"'{phrase.text}'", self.listed(each.name for each in matching))
+    def _ambiguous(self, phrase: Phrase, names: Iterable[str]) -> Unread:
+        return self.lexicon.unread("many", f"'{phrase.text}'", self.listed(names), reason="ambiguous")

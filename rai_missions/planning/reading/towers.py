@@ -3,11 +3,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from rai_missions.planning.reading.lexicon import Vocabulary
 from rai_missions.planning.reading.noun_phrases import Cursor, noun_phrase, noun_phrases, ordered_phrases
-from rai_missions.planning.reading.phrases import Clause, Phrase, Unread
+from rai_missions.planning.reading.phrases import Clause, Phrase
 
 __all__ = ("is_tower", "levels_of", "skip_several", "tower")
 
@@ -27,15 +27,12 @@ def is_tower(cursor: Cursor) -> bool:
     return cursor.kind(ahead) == "stack"
 
 
-def tower(
-    cursor: Cursor, lexicon: Vocabulary, unread: Callable[[], Unread], first: tuple[Phrase, ...] = ()
-) -> list[Clause]:
+def tower(cursor: Cursor, lexicon: Vocabulary, first: tuple[Phrase, ...] = ()) -> list[Clause]:
     """The clauses of one tower, or of several.
 
     Args:
         cursor: At its first symbol.
         lexicon: For what is asked back.
-        unread: What is raised where no rule fits.
         first: What it consists of, where that came before.
 
     Raises:
@@ -45,14 +42,14 @@ def tower(
     height = _height(cursor) if count > 1 else 0
     cursor.skip("with", ":", ",", "put")
     if cursor.kind() == "part":
-        return _several(cursor, unread)
+        return _several(cursor, lexicon)
     if cursor.kind() == "upward" and not first:
-        return [_upward(cursor, unread)]
+        return [_upward(cursor, lexicon)]
     first = first or _in_turn(cursor) or noun_phrases(cursor)
     if count > 1 and cursor.kind() in ENDS:
         return _towers(first, count, height)
     if count != 1:
-        raise Unread("order", lexicon.text("order"))  # `towers`: of what is each?
+        raise lexicon.unread("order")  # `towers`: of what is each?
     if first and (ordered := _ordered(first, cursor)):
         return [Clause("stack", ordered)]
     if first and cursor.kind() == ":" and (ordered := ordered_phrases(cursor)):
@@ -60,13 +57,13 @@ def tower(
     if first and (chain := _downward(cursor)):
         return [Clause("stack", first, levels=tuple((each, level) for level, each in enumerate(chain)))]
     if first and cursor.kind() == "relation":
-        return _based(first, cursor, lexicon) or _chain(first, cursor, unread)
+        return _based(first, cursor, lexicon) or _chain(first, cursor, lexicon)
     cursor.skip("put")
     cursor.skip("each_other")
     members, levels = levels_of(first, cursor, lexicon)
     if not levels and first and cursor.kind() in ("and", ",") and cursor.kind(1) == "part":
         cursor.take()
-        return [Clause("stack", first), *_several(cursor, unread)]
+        return [Clause("stack", first), *_several(cursor, lexicon)]
     return [Clause("stack", members, levels=levels)]
 
 
@@ -151,13 +148,13 @@ def _is_several(phrase: Phrase) -> bool:
     return phrase.is_many or phrase.is_all or (phrase.count or 1) > 1
 
 
-def _chain(first: tuple[Phrase, ...], cursor: Cursor, unread: Callable[[], Unread]) -> list[Clause]:
+def _chain(first: tuple[Phrase, ...], cursor: Cursor, lexicon: Vocabulary) -> list[Clause]:
     """`stack red on blue on green`."""
     found, above = list[Clause](), first
     while cursor.kind() == "relation":
         relation, target = cursor.take().value, noun_phrase(cursor)
         if relation != "on" or target is None or (target.others and cursor.kind() == "relation"):
-            raise unread()
+            raise lexicon.unread()
         found.append(Clause("on", above, target))
         above = (target,)
     return found
@@ -180,25 +177,25 @@ def _downward(cursor: Cursor) -> tuple[Phrase, ...]:
     return tuple(reversed(found))
 
 
-def _several(cursor: Cursor, unread: Callable[[], Unread]) -> list[Clause]:
+def _several(cursor: Cursor, lexicon: Vocabulary) -> list[Clause]:
     found = list[Clause]()
     while cursor.kind() == "part":
         cursor.take()
         cursor.skip("the")
         members = noun_phrases(cursor)
         if not members:
-            raise unread()
+            raise lexicon.unread()
         found.append(Clause("stack", members))
         if cursor.kind() in ("and", ",") and cursor.kind(1) == "part":
             cursor.take()
     return found
 
 
-def _upward(cursor: Cursor, unread: Callable[[], Unread]) -> Clause:
+def _upward(cursor: Cursor, lexicon: Vocabulary) -> Clause:
     is_up = cursor.take().value == "up"
     members = ordered_phrases(cursor)
     if len(members) < 2:
-        raise unread()
+        raise lexicon.unread()
     return Clause("stack", members if is_up else members[::-1])
 
 
@@ -244,5 +241,5 @@ def _level(cursor: Cursor) -> int | None:
 
 def _next_levels(named: tuple[Phrase, ...], last: int | None, lexicon: Vocabulary) -> Iterator[tuple[Phrase, int]]:
     if last is None or last < 0:
-        raise Unread("order", lexicon.text("order"))
+        raise lexicon.unread("order")
     yield from ((each, last + 1 + index) for index, each in enumerate(named))
