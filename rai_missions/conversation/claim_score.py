@@ -87,8 +87,11 @@ class ClaimWeights(NamedTuple):
 
 @cache
 def claim_weights(code: str) -> ClaimWeights:
-    """The weights of a language, by its code."""
-    return ClaimWeights(**json.loads((FOLDER / f"{code}.json").read_text(encoding="utf-8")))
+    """The weights of a language, by its code; one without a file knows no word, so each doubt is a claim."""
+    file = FOLDER / f"{code}.json"
+    if not file.exists():
+        return ClaimWeights({}, -math.inf, "")
+    return ClaimWeights(**json.loads(file.read_text(encoding="utf-8")))
 
 
 def features(text: str) -> frozenset[str]:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A language as data: its grammar, its templates and what counts as a claim; one file each in `languages/`.
 
-Rule: no sentence of any language is written in code; a new language is a new file.
+Rule: no sentence of any language is written in code; a new language is a new file, here or in a package of its own.
 """
 
 from __future__ import annotations
@@ -12,16 +12,23 @@ from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
-from rai_missions.conversation.phrases import Phrases
+from rai_missions.conversation.language_faults import language_faults
+from rai_missions.conversation.phrases import Phrases, part_of_verb, parts_of
+from rai_missions.errors import DefinitionError, UsageError, suggestion
+from rai_missions.kinds import known_names, offered
+from rai_missions.mission.json_reader import read_json
 from rai_missions.planning.text.language_file import LanguageTexts, language_codes, language_file, spoken, word_forms
 from rai_missions.planning.text.normalise import Normaliser, each_way
 from rai_missions.redaction import cut
 
-__all__ = ("QUOTING", "Language", "language", "languages", "spoken")
+__all__ = ("QUOTING", "Language", "known_languages", "language", "languages", "spoken")
 
 WORD = re.compile(r"\{\w*\}|<\w*>|[^\s()\[\]|{}<>*]+")
 """A word of a phrase, a slot or a part."""
 FOLDER = Path(__file__).parent / "languages"
+ENGLISH = "en"
+GROUP = "rai_missions.languages"
+"""The entry points of languages: a code, and where its file is."""
 QUOTING = ":"
 """What is behind it in a sentence may be the words of others."""
 MOST_NAMES = 1000
@@ -44,8 +51,7 @@ class Language(LanguageTexts):
         """The words that relate a thing to a place: `in`, `next`, `to`."""
         self._plural_ending: str = data["plural_ending"]
         verbs: Mapping[str, Sequence[str]] = data["verbs"]
-        senses = {_part(verb): "|".join(each) for verb, each in verbs.items()}
-        self.parts: Mapping[str, str] = {**data["parts"], **senses}
+        self.parts: Mapping[str, str] = parts_of(data["parts"], verbs)
         self._verb = re.compile(rf"(?<![\w{{<])({'|'.join(sorted(verbs, key=len, reverse=True))})(?![\w}}>])")
         self.orders, self.warnings, self.questions = map(self._named_phrases, ("orders", "warnings", "questions"))
         self.yes, self.no, self.quiet, self.withdraw = map(self._phrases, ("yes", "no", "quiet", "withdraw"))
@@ -146,7 +152,8 @@ class Language(LanguageTexts):
             UsageError: One is not closed, or names a part that does not exist.
         """
         return Phrases(
-            [self._verb.sub(lambda found: f"<{_part(found[0])}>", self._own(each)) for each in phrases], self.parts
+            [self._verb.sub(lambda found: f"<{part_of_verb(found[0])}>", self._own(each)) for each in phrases],
+            self.parts,
         )
 
     def _own(self, phrase: str) -> str:
@@ -191,14 +198,14 @@ class Language(LanguageTexts):
         return found
 
 
-def _part(verb: str) -> str:
-    """The name of a verb as a part of phrases: `look_around`."""
-    return verb.replace(" ", "_")
-
-
 def languages() -> tuple[str, ...]:
-    """The languages that there are, by their codes."""
+    """The languages of this package, by their codes."""
     return language_codes(FOLDER)
+
+
+def known_languages() -> tuple[str, ...]:
+    """The languages that a profile may name: those of this package, and of installed ones."""
+    return known_names(GROUP, languages())
 
 
 @cache
@@ -206,7 +213,23 @@ def language(code: str) -> Language:
     """The language of a code.
 
     Raises:
-        UsageError: There is no file for it.
+        DefinitionError: A package's file of it is not as that of English, each fault with its place.
+        UsageError: There is none, or it does not load.
     """
-    own = language_file(FOLDER, code)
-    return Language({**word_forms(code), **own})
+    own = languages()
+    if code in own:
+        return Language(_data(code))
+    offer = offered(GROUP, code, {})
+    if offer is None:
+        raise UsageError(f"no language '{code}'{suggestion(code, known_languages())}")
+    with offer.opening():
+        file = Path(offer.load())
+    data = read_json(file)
+    if faults := language_faults(data, {**_data(ENGLISH), "language": code}):
+        raise DefinitionError(faults, str(file))
+    return Language(data)
+
+
+def _data(code: str) -> dict[str, Any]:
+    """What the files of a language of this package hold."""
+    return {**word_forms(code), **language_file(FOLDER, code)}

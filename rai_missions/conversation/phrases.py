@@ -9,11 +9,11 @@ Rule: a phrase matches a whole sentence or nothing.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from rai_missions.errors import UsageError
 
-__all__ = ("Phrases", "example_of")
+__all__ = ("Phrases", "example_of", "part_of_verb", "parts_of")
 
 ATOM = re.compile(r"[()\[\]|*$]|\{(\w+)\}|<(\w+)>|[^\s()\[\]|{}<>*$]+")
 WORDS = r"(?:\S+ )+?"
@@ -62,6 +62,16 @@ def _malformed(phrase: str) -> str:
 
 LEFT_OUT = re.compile(r"\[[^()\[\]]*\]|<\w+>|\$")
 ONE_OF = re.compile(r"\(([^()\[\]|]*)[^()\[\]]*\)")
+
+
+def part_of_verb(verb: str) -> str:
+    """The name of a verb as a part of phrases: `look_around`."""
+    return verb.replace(" ", "_")
+
+
+def parts_of(parts: Mapping[str, str], verbs: Mapping[str, Sequence[str]]) -> dict[str, str]:
+    """What phrases of a language name as `<part>`: its parts, and each verb with the others of its sense."""
+    return {**parts, **{part_of_verb(verb): "|".join(each) for verb, each in verbs.items()}}
 
 
 def example_of(phrase: str) -> str:

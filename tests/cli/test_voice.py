@@ -14,7 +14,7 @@ from rai_missions.cli.main import main
         ([], "'rai-missions voice --ros' joins the ROS graph"),
         (["--ros", "--below", "alpha"], "'--below alpha' is no beginning of a topic's name; write it like '/alpha'"),
         (["--ros", "-o", "spoken.wav"], "leave -o out, or name a FILE"),
-        (["--ros", "--language", "dee"], "'--language dee' is none that is spoken; did you mean 'de'?"),
+        (["--ros", "--language", "dee"], "no language 'dee'; did you mean 'de'?"),
         (["no.wav", "--ros"], "there is no file no.wav"),
         (["pyproject.toml", "--ros"], "pyproject.toml is no WAV file that can be read"),
     ],

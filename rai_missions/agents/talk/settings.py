@@ -14,7 +14,7 @@ from rai_missions.conversation.places import PlaceArea
 from rai_missions.conversation.settings import LatePolicy
 from rai_missions.conversation.spoken_starts import SpokenStart, arguments_spoken
 from rai_missions.conversation.start_phrases import StartPhrase, arguments_of
-from rai_missions.errors import Fault, UsageError, pointer, suggestion
+from rai_missions.errors import DefinitionError, Fault, MissionError, UsageError, pointer, suggestion
 from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import ConversationPolicy, Robot
@@ -52,9 +52,8 @@ def conversation_faults(robot: Robot, mission: Mission | None = None) -> tuple[F
     policy = robot.conversation
     if policy is None:
         return ()
-    if policy.language not in languages():
-        why = f"no language '{policy.language}'{suggestion(policy.language, languages())}"
-        return (Fault("/conversation/language", why),)
+    if of_language := _language_faults(policy.language):
+        return of_language
     takes = {name for name, key in mission.blackboard.items() if key.source == "argument"} if mission else set[str]()
     found = list[Fault]()
     for phrase, arguments in policy.phrases.items():
@@ -68,6 +67,19 @@ def conversation_faults(robot: Robot, mission: Mission | None = None) -> tuple[F
         place = pointer(("conversation", "spoken", text))
         found += _argument_faults(arguments_spoken(SpokenStart(text, arguments)), takes, place)
     return (*found, *_question_faults(policy, mission))
+
+
+def _language_faults(code: str) -> tuple[Fault, ...]:
+    """Why a language cannot be spoken: there is none, or its package's file is at fault, each fault with that file."""
+    if code in languages():
+        return ()
+    try:
+        language(code)
+    except DefinitionError as error:
+        return tuple(fault._replace(file=error.source) for fault in error.faults)
+    except MissionError as error:
+        return (Fault("/conversation/language", str(error)),)
+    return ()
 
 
 def _argument_faults(gives: AbstractSet[str], takes: AbstractSet[str], place: str) -> Iterator[Fault]:

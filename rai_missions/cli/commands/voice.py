@@ -58,8 +58,8 @@ def voice(
     from rai_missions.connectors.sound.devices import DeviceSound
     from rai_missions.connectors.sound.files import FileSound
     from rai_missions.connectors.sound.wav import check_wav_name
-    from rai_missions.conversation.language import languages
-    from rai_missions.errors import UsageError, suggestion
+    from rai_missions.conversation.language import language as words_of
+    from rai_missions.errors import UsageError
     from rai_missions.voice.setup import ListenNames
 
     if not ros:
@@ -71,8 +71,7 @@ def voice(
         raise UsageError(f"'--below {below}' is no beginning of a topic's name; write it like '/alpha'")
     if file is None and output is not None:
         raise UsageError("-o writes what is spoken next to a FILE; a speaker plays it: leave -o out, or name a FILE")
-    if language not in languages():
-        raise UsageError(f"'--language {language}' is none that is spoken{suggestion(language, languages())}")
+    words_of(language)
     if output is not None:
         check_wav_name(output)
     sound: SoundConnector = (
