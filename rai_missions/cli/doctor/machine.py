@@ -5,14 +5,13 @@ from __future__ import annotations
 
 import importlib.util
 import os
-import shutil
 import sys
 from collections.abc import Iterator
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 
 from rai_missions.cli.doctor.finding import MachineFinding
-from rai_missions.errors import install_command
+from rai_missions.errors import UsageError, install_command
+from visualize.graphviz import layout_program
 
 __all__ = ("installed", "machine")
 
@@ -62,22 +61,16 @@ def machine() -> Iterator[MachineFinding]:
     yield _rendering()
 
 
-def _program(name: str) -> str | None:
-    own = Path(sys.executable).parent / name
-    return str(own) if own.exists() else shutil.which(name)
-
-
 def _drawing() -> MachineFinding:
-    for name in ("dot", "graphviz-pure"):
-        if found := _program(name):
-            return MachineFinding("ok", f"pictures are drawn by {found}")
-    return MachineFinding("absent", "nothing draws SVG and PNG", f"install Graphviz, or {install_command('draw')}")
+    try:
+        return MachineFinding("ok", f"pictures are drawn by {layout_program()}")
+    except UsageError:
+        return MachineFinding("absent", "nothing draws SVG and PNG", f"install Graphviz, or {install_command('draw')}")
 
 
 def _rendering() -> MachineFinding:
     if importlib.util.find_spec("mujoco") is None:
         return MachineFinding("absent", "a camera in simulated worlds", install_command("sim"))
-    from rai_missions.errors import UsageError
     from rai_missions.worlds.world import open_world
 
     try:

@@ -87,18 +87,15 @@ class Desk(Simulation):
         things = self._things()
         self._kinds = kinds = {body: thing.kind for body, thing in things.items()}
         self._seed = seed
-        self._frames = self._camera_frames(seed)
+        self._frames = (
+            FrameHistory(self.camera, seed, topics=interface.SEEN, fovy_deg=FRONT_FOVY_DEG) if self.camera else None
+        )
         self._detecting = self._detector(things, seed, errors)
         self._eye: Eye = RayEye(self.model, kinds, seed) if self.camera is None else PixelEye(self.camera, kinds, seed)
         self._classifier = LookClassifier(things, errors, seed)
         self._tracks = Tracks()
         self._fingers = FingerContacts(self.model, self.objects)
         self._faults = FaultInjector(self.model, self.data, self.objects, wrong, seed)
-
-    def _camera_frames(self, seed: int) -> FrameHistory | None:
-        if self.camera is None:
-            return None
-        return FrameHistory(self.camera, seed, topics=interface.SEEN, fovy_deg=FRONT_FOVY_DEG)
 
     def _detector(self, things: Mapping[int, Thing], seed: int, errors: LookErrors) -> DetectorServices | None:
         if self._frames is None:

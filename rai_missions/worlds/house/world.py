@@ -112,7 +112,9 @@ class House(Simulation):
         self.judge = HouseJudge(self.model, self.data, self.rosbot.body_id, people_here)
         errors = DetectorErrors.of(detector)  # also where another detector serves: a faulty field is found
         self._finder = ObjectFinder(interface.FINDER)
-        self._frames = self._camera_frames(seed)
+        self._frames = (
+            FrameHistory(self.camera, seed, topics=interface.SEEN, fovy_deg=CAMERA_FOVY_DEG) if self.camera else None
+        )
         self._detecting = self._detector(seed, errors) if detects else None
         self._speech = sentences(speech)
         self._lidar, self._low_scan = Lidar(self.model, self.data, seed), LowScan(self.model, self.data, seed)
@@ -126,11 +128,6 @@ class House(Simulation):
     @property
     def pose(self) -> RobotPose:
         return self.rosbot.pose
-
-    def _camera_frames(self, seed: int) -> FrameHistory | None:
-        if self.camera is None:
-            return None
-        return FrameHistory(self.camera, seed, topics=interface.SEEN, fovy_deg=CAMERA_FOVY_DEG)
 
     def _detector(self, seed: int, errors: DetectorErrors) -> DetectorServices | None:
         if self._frames is None:

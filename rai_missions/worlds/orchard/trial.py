@@ -7,7 +7,7 @@ calls, with a detector that errs in nothing, and nothing is rendered.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,9 +15,8 @@ from rai_missions.errors import UsageError
 from rai_missions.worlds.options import check_names
 from rai_missions.worlds.orchard.world import Orchard
 
-__all__ = ("OPTIONS", "Trial", "decision_world", "try_branch", "try_option", "try_options")
+__all__ = ("OPTIONS", "Trial", "decision_world", "try_branch", "try_options")
 
-OPTIONS = ("drive_over", "replan", "signal", "abort")
 ARRIVES_S, CROSSES_S, RETURNS_S, DRIVES_S = 60.0, 40.0, 150.0, 60.0
 SIGNALS, SIGNAL_S, HALTS_S = 3, 5.0, 2.0
 """A mission signals three times at most, waits after each, and looks again."""
@@ -66,21 +65,17 @@ def decision_world(options: Mapping[str, Any], listen: Callable[[Orchard], None]
     return world
 
 
-def try_option(options: Mapping[str, Any], option: str) -> Trial:
-    """Roll one option out.
+def try_options(options: Mapping[str, Any], tried: Iterable[str] | None = None) -> dict[str, Trial]:
+    """Roll options out, each on a branch of the world in which they are open.
 
     Args:
         options: Keywords of `Orchard`; the detector and the camera in them are replaced.
-        option: One of `OPTIONS`.
+        tried: Some of `OPTIONS`; None: all.
 
     Raises:
         UsageError: No such option, or there is no decision in the scene.
     """
-    return try_options(options, (option,))[option]
-
-
-def try_options(options: Mapping[str, Any], tried: tuple[str, ...] = OPTIONS) -> dict[str, Trial]:
-    """Roll options out, each on a branch of the world in which they are open; as `try_option`."""
+    tried = tuple(OPTIONS if tried is None else tried)
     check_names("the decision at the obstacle", tried, OPTIONS, called="option")
     world = decision_world({**options, "camera": False, "sight": "geometry", "detector": {"noise": 0.0}})
     return {option: try_branch(world, option) for option in tried}
@@ -90,7 +85,7 @@ def try_branch(decided: Orchard, option: str) -> Trial:
     """Roll an option out on a branch of a world in which it is open; that world stays as it is."""
     world = decided.branch()
     begun = world.at
-    {"drive_over": _drive_over, "replan": _replan, "signal": _signal, "abort": _halt}[option](world)
+    OPTIONS[option](world)
     return _trial(world, world.at - begun)
 
 
@@ -119,6 +114,14 @@ def _signal(world: Orchard) -> None:
 def _halt(world: Orchard) -> None:
     world.call("stop")
     _run(world, lambda: False, HALTS_S)
+
+
+OPTIONS: Mapping[str, Callable[[Orchard], None]] = {
+    "drive_over": _drive_over,
+    "replan": _replan,
+    "signal": _signal,
+    "abort": _halt,
+}
 
 
 def _is_over(world: Orchard) -> bool:
