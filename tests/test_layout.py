@@ -67,7 +67,6 @@ SHARED_NAMES = {
     "NavigateToPose": "the action of nav2_msgs, served by each world, and the arguments of the tool of that name",
     "Plan": "`plan` of the format: a state that orders moves; and the moves",
     "Thing": "of the simulated house; and one that is seen on a desk",
-    "ReplyCallback": "one protocol; visualize may not import the node, nor the node visualize",
 }  # fmt: skip
 """A class name that several modules have → why."""
 

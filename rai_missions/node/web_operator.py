@@ -8,7 +8,7 @@ as well.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, Protocol
+from typing import Any
 
 from rai_missions.engine.decision import Answerer, Question
 from rai_missions.node.command import Command, CommandReply, read_order
@@ -19,12 +19,8 @@ __all__ = ("WebCommands", "WebOperator")
 
 ACTS = ("pause", "resume", "cancel", "e_stop", "control", "answer")
 PAGE = "operator (page)"
-
-
-class ReplyCallback(Protocol):
-    """Receives once, from any thread, what became of an order."""
-
-    def __call__(self, success: bool, why: str) -> None: ...
+PageReply = Callable[[bool, str], None]
+"""Receives once, from any thread, whether an order succeeded, and why."""
 
 
 class WebCommands:
@@ -48,7 +44,7 @@ class WebCommands:
         self._session, self._answers, self._note = session, answers, note
         self._on_late_stop = on_late_stop
 
-    def submit(self, text: str, on_reply: ReplyCallback) -> None:
+    def submit(self, text: str, on_reply: PageReply) -> None:
         """Take an order, as JSON that anybody may have written; never waits."""
         order = read_order(text)
         if isinstance(order, CommandReply):
@@ -78,7 +74,7 @@ class WebCommands:
             return f"question {order.question} is not for the operator; {question.asked} is asked"
         return ""
 
-    def _reply(self, order: Command, on_reply: ReplyCallback, reply: CommandReply, *, has_arrived: bool) -> None:
+    def _reply(self, order: Command, on_reply: PageReply, reply: CommandReply, *, has_arrived: bool) -> None:
         """What the engine has received is in the journal with its answer; the rest is noted here."""
         if order.command == "e_stop" and self._session.is_over:
             self._on_late_stop(order.by)

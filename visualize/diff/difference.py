@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
+from rai_missions.errors import counted
 from rai_missions.mission.mission import Mission, given_mission
-from visualize.build import picture
 from visualize.diff.align import NameChange, aligned
 from visualize.diff.as_text import lines
 from visualize.diff.change import Change, weight
@@ -20,6 +20,8 @@ from visualize.model import Picture
 from visualize.text import child_pointer
 
 __all__ = ("Difference", "difference")
+
+NOTHING = "nothing that diff weighs as safety-relevant"
 
 
 @dataclass(frozen=True)
@@ -57,14 +59,23 @@ class Difference:
         """The rest."""
         return tuple(change for change in self.changes if not change.safety)
 
+    @property
+    def headline(self) -> str:
+        """How many changes of either sort, in a line."""
+        if self.empty:
+            return "no difference in meaning"
+        safety = counted(len(self.safety), "safety-relevant change") if self.safety else NOTHING
+        return f"{safety}, {counted(len(self.others), 'other')}"
+
     def lines(self) -> tuple[str, ...]:
-        """As a reader at a terminal wants it."""
-        return lines(self)
+        """As a reader at a terminal wants it: what is to be judged first."""
+        head = f"{self.new.name}: {' → '.join(self.versions)}: {self.headline}"
+        return lines(head, {"SAFETY-RELEVANT": self.safety, "OTHERS": self.others})
 
     @cached_property
     def picture(self) -> Picture:
         """Both in one: what was added, removed and changed is marked."""
-        both = merged(picture(self.old), picture(self.new), self)
+        both = merged(self.old, self.new, self.renamed, self.versions[0])
         return replace(both, notes=tuple(f"for review: {change}" for change in self.safety))
 
 

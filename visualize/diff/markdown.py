@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from rai_missions.errors import counted
-from visualize.diff.as_text import by_topic, headline
+from visualize.diff.as_text import by_topic
 from visualize.diff.change import Change
 from visualize.diff.difference import Difference
 from visualize.mermaid import mermaid
@@ -46,9 +46,9 @@ def _head(given: Difference) -> Iterator[str]:
     yield f"### Mission {quoted(given.new.name)}: {quoted(before)} → {quoted(after)}"
     yield ""
     if given.safety:
-        yield f"⚠ **{headline(given)}.** A second pair of eyes must agree to what is in the first table."
+        yield f"⚠ **{given.headline}.** A second pair of eyes must agree to what is in the first table."
     else:
-        yield f"{headline(given).capitalize()}."
+        yield f"{given.headline.capitalize()}."
 
 
 def _table(changes: Sequence[Change], longest: int) -> str:

@@ -5,40 +5,37 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
-from typing import Protocol
 
 from rai_missions.mission.mission import Mission
+from visualize.build import picture
 from visualize.diff.align import paired
 from visualize.model import Choice, Mark, Picture, PictureEdge, PictureNode, Twig
 
 __all__ = ("merged",)
 
-
-class MissionPair(Protocol):
-    """The two missions, under the same names."""
-
-    @property
-    def old(self) -> Mission: ...
-    @property
-    def new(self) -> Mission: ...
-    @property
-    def renamed(self) -> tuple[tuple[str, str], ...]: ...
-    @property
-    def versions(self) -> tuple[str, str]: ...
+Edges = Mapping[tuple[str, int | None], Mapping[str, PictureEdge]]
+"""(state, number of its transition) → target → edge."""
 
 
-def merged(old: Picture, new: Picture, compared: MissionPair) -> Picture:
-    """One picture of both missions."""
-    before = {node.name: node for node in old.nodes}
-    after = {node.name for node in new.nodes}
-    was = {now: name for name, now in compared.renamed}
-    nodes = [_node(before.get(node.name), node, was.get(node.name, "")) for node in new.nodes]
-    nodes += [node._replace(mark="-") for node in old.nodes if node.name not in after]
-    gone = {name for name in before if name not in after}
-    initials = list(new.initials)
-    initials += [initial for initial in old.initials if initial.parent in gone]
-    edges = tuple(_edges(old, new, compared))
-    return replace(new, nodes=tuple(nodes), edges=edges, initials=tuple(initials), compared=compared.versions[0])
+def merged(old: Mission, new: Mission, renamed: Iterable[tuple[str, str]], version: str) -> Picture:
+    """One picture of two missions.
+
+    Args:
+        old: With the names of the new one, for what was only renamed.
+        new: As it is now.
+        renamed: Old and new names of the states that are called otherwise.
+        version: Of the old one.
+    """
+    left, right = picture(old), picture(new)
+    before = {node.name: node for node in left.nodes}
+    after = {node.name for node in right.nodes}
+    was = {now: name for name, now in renamed}
+    nodes = [_node(before.get(node.name), node, was.get(node.name, "")) for node in right.nodes]
+    nodes += [node._replace(mark="-") for node in left.nodes if node.name not in after]
+    gone = before.keys() - after
+    initials = (*right.initials, *(initial for initial in left.initials if initial.parent in gone))
+    edges = tuple(_edges(old, new, _by_transition(left), _by_transition(right)))
+    return replace(right, nodes=tuple(nodes), edges=edges, initials=initials, compared=version)
 
 
 def _node(old: PictureNode | None, new: PictureNode, was: str) -> PictureNode:
@@ -75,11 +72,10 @@ def _twigs(old: PictureNode, new: PictureNode) -> tuple[Twig, ...]:
     return tuple(found)
 
 
-def _edges(old: Picture, new: Picture, compared: MissionPair) -> Iterator[PictureEdge]:
+def _edges(old: Mission, new: Mission, before: Edges, after: Edges) -> Iterator[PictureEdge]:
     """The new edges in their order, each with those that are gone from its state behind it."""
-    before, after = _by_transition(old), _by_transition(new)
-    transitions = {name: state.transitions for _, name, state in compared.old.walk()} | {"": compared.old.transitions}
-    now = {name: state.transitions for _, name, state in compared.new.walk()} | {"": compared.new.transitions}
+    transitions = {name: state.transitions for _, name, state in old.walk()} | {"": old.transitions}
+    now = {name: state.transitions for _, name, state in new.walk()} | {"": new.transitions}
     for name in [*(name for name in now if name), *(name for name in transitions if name not in now), ""]:
         for left, right in paired(transitions.get(name, ()), now.get(name, ())):
             gone = before.get((name, left), {}) if left is not None else {}
@@ -94,10 +90,9 @@ def _mark(old: Choice | PictureEdge | None, new: Choice | PictureEdge) -> Mark:
     return "" if old._replace(place="") == new._replace(place="") else "~"
 
 
-def _by_transition(picture: Picture) -> Mapping[tuple[str, int | None], Mapping[str, PictureEdge]]:
-    """(state, number of its transition) → target → edge."""
+def _by_transition(drawn: Picture) -> Edges:
     found: dict[tuple[str, int | None], dict[str, PictureEdge]] = {}
-    for edge in picture.edges:
+    for edge in drawn.edges:
         number = int(edge.place.rpartition("/")[2])
         found.setdefault((edge.source, number), {})[edge.target] = edge
     return found

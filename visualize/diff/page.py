@@ -12,7 +12,6 @@ from dataclasses import replace
 
 from rai_missions.plain_data import plain
 from visualize.build import picture
-from visualize.diff.as_text import headline
 from visualize.diff.change import Change, heading
 from visualize.diff.difference import Difference
 from visualize.page.as_json import Json
@@ -49,7 +48,7 @@ def difference_data(given: Difference) -> Json:
         "coverage": {"transitions": {}, "states": {}},
         "images": {},
         "changes": changes,
-        "headline": headline(given),
+        "headline": given.headline,
     }
 
 

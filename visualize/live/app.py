@@ -10,6 +10,7 @@ import asyncio
 import math
 import time
 from collections import OrderedDict
+from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, Protocol
 
@@ -33,7 +34,7 @@ from visualize.live.talk import TalkDesk, TalkPages
 from visualize.page.as_json import Json
 from visualize.page.chart_data import chart_data
 
-__all__ = ("CommandSink", "ReplyCallback", "application")
+__all__ = ("CommandSink", "application")
 
 PATIENCE_S = 1.5
 """How long an order's reply waits for the run to take it; a page waits for 2 s."""
@@ -53,17 +54,16 @@ SCRIPTS = (
 FILES = PageFiles("live.html", SCRIPTS, ("live.css",), worklet="microphone.js")
 
 
-class ReplyCallback(Protocol):
-    """Receives once, from any thread, what became of an order."""
-
-    def __call__(self, success: bool, why: str) -> None: ...
-
-
 class CommandSink(Protocol):
     """Takes the operator's orders."""
 
-    def submit(self, text: str, on_reply: ReplyCallback) -> None:
-        """Take an order, as JSON; never waits."""
+    def submit(self, text: str, on_reply: Callable[[bool, str], None]) -> None:
+        """Take an order, as JSON; never waits.
+
+        Args:
+            text: The order.
+            on_reply: Receives once, from any thread, whether it succeeded, and why.
+        """
 
 
 class Stream(Response):

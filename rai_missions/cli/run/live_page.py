@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from rai_missions.runtime.runner import Runner
     from rai_missions.runtime.view import RunView
     from visualize.live import LivePage, RunFeed, RunScene
-    from visualize.live.app import ReplyCallback
 
 __all__ = ("RunPage", "normalise_watch_args", "page_of")
 
@@ -193,7 +192,7 @@ class RunPage:
         ):
             return session.run(lambda: run(runner))
 
-    def submit(self, text: str, on_reply: ReplyCallback) -> None:
+    def submit(self, text: str, on_reply: Callable[[bool, str], None]) -> None:
         """Carry a page's order to the run that it shows."""
         self._current.desk.submit(text, on_reply)
 
