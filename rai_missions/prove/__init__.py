@@ -236,16 +236,16 @@ class _ProofRun:
 
 
 def record(
-    path: Path, header: Header, mission: Mission, runs: list[TraceStep], *, terms: RobotFacts | None = None
+    path: Path, header: Header, mission: Mission, run: list[TraceStep], *, terms: RobotFacts | None = None
 ) -> bool:
     """Have a chart that keeps time do the run of a refutation, into a new journal.
 
     Returns:
-        Whether it comes to the same states, and the same outcome, as was runs: an order of timers that their durations
+        Whether it comes to the same states, and the same outcome, as the run: an order of timers that their durations
         do not allow shows here.
 
     Raises:
         UsageError: The file is there already, or none can be written there.
     """
     with Journal.create(path, header) as journal:
-        return TraceReplayer(mission, terms, journal).play(runs)
+        return TraceReplayer(mission, terms, journal).play(run)

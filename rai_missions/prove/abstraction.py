@@ -68,7 +68,7 @@ class Abstraction:
         answers = {name for name, key in mission.blackboard.items() if key.source == "answer"}
         self._given = world.open_keys | world.facts | copies | answers
         """Keys that may hold a list that the mission has not written itself."""
-        timed = [*guards_in(mission), *guards_in(facts.succeeded), *guards_in(facts.failed)]
+        timed = guards_in((mission, facts.succeeded, facts.failed))
         self._longest_s = max((max(each.age_s or 0.0, each.held_s) for each in timed), default=0.0)
         """The longest that any guard looks back."""
         self.saturating = values.saturating()

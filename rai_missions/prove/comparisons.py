@@ -78,7 +78,7 @@ class Comparisons:
 
     def _learn(self, mission: Mission, terms: RobotFacts) -> None:
         """Look for all that the mission and the robot's composed actions compare, and for what it may be by then."""
-        for guard in (*guards_in(mission), *guards_in(terms.succeeded), *guards_in(terms.failed)):
+        for guard in guards_in((mission, terms.succeeded, terms.failed)):
             guard.distinguish(self)
         for _, _, state in mission.walk():
             state.distinguish(self)

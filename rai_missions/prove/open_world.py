@@ -212,6 +212,10 @@ class OpenWorld:
         """Nothing that is assumed of the robot is false."""
         return all(each.test(self._chart.state) is not False for each in self._doubted)
 
+    def own(self) -> dict[str, Any]:
+        """What the mission's own keys hold, as far as it is known."""
+        return {key: entry for key, entry in self.board.entries() if key in self.own_keys}
+
     # -- what success rests on ------------------------------------------------------------------------------------
 
     @property

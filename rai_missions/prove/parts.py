@@ -10,10 +10,11 @@ from pydantic import BaseModel
 
 from rai_missions.guards.guard import Guard
 from rai_missions.model import MissionModel
+from rai_missions.states import State
 from rai_missions.states.effects import Set
 from rai_missions.states.tree.leaves import SetLeaf
 
-__all__ = ("guards_in", "inside", "parts", "texts_in", "writes_in")
+__all__ = ("guards_in", "inside", "own_parts", "parts", "texts_in", "writes_in")
 
 Part = TypeVar("Part")
 
@@ -42,6 +43,12 @@ def guards_in(value: Any) -> Iterator[Guard]:
         return
     for part in inside(value):
         yield from guards_in(part)
+
+
+def own_parts(state: State | None) -> list[Any]:
+    """What is written in a state, without the states inside it; nothing in the mission itself."""
+    fields = type(state).model_fields if state is not None else ()
+    return [getattr(state, field) for field in fields if field not in ("states", "parallel")]
 
 
 def texts_in(value: Any, *, without: str = "") -> Iterator[str]:

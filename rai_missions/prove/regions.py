@@ -22,7 +22,7 @@ from rai_missions.engine.state import TimerKey
 from rai_missions.guards.view import presence
 from rai_missions.mission.mission import BUILT_IN_EVENTS
 from rai_missions.prove.open_world import OpenWorld
-from rai_missions.prove.parts import guards_in, parts, texts_in
+from rai_missions.prove.parts import guards_in, own_parts, parts, texts_in
 from rai_missions.prove.stimulus import Stimulus
 from rai_missions.states.action import Action
 from rai_missions.states.effects import Raise
@@ -36,7 +36,6 @@ TIME = "#time"
 ANY_KEY = "*"
 OUTSIDE, OF_GOALS = -1, -2
 """In place of a group: what concerns the mission around the regions, and goals that nothing pursues."""
-INNER = frozenset(("states", "parallel"))
 
 
 class RegionGroups(NamedTuple):
@@ -108,14 +107,14 @@ class Regions:
     def _tokens(self) -> Mapping[str, int]:
         """Token → its bit; of states those that guards name."""
         mission, facts = self._chart.mission, self._chart.terms
-        guards = [*guards_in(mission), *guards_in(facts.succeeded), *guards_in(facts.failed)]
+        guards = guards_in((mission, facts.succeeded, facts.failed))
         states = {presence(name) for guard in guards for name in guard.states()}
         tokens = (TIME, GOALS, ANY_KEY, *sorted(mission.blackboard), *sorted(states))
         return {token: 1 << at for at, token in enumerate(tokens)}
 
     def named_by(self, node: Node) -> Iterator[str]:
         """The keys and states that the guards of a state name."""
-        for guard in guards_in(list(_own(node))):
+        for guard in guards_in(own_parts(node.state)):
             yield from (path.split(".")[0] for path in guard.paths())
             yield from map(presence, guard.states())
 
@@ -149,7 +148,7 @@ class Regions:
     def _joined(self, read: ParallelTexts) -> list[list[int]]:
         """The regions that are in one group."""
         leads = JoinedNumbers(len(read.texts))
-        for token in self._connecting(read.region_of):
+        for token in (*self._events, *self._world.fleeting, *read.region_of):  # they connect wherever two have them
             leads.join(at for at, text in enumerate(read.texts) if token in text or read.region_of.get(token) == at)
         actions = [_actions(top) for top in read.node.children]
         for at, some in enumerate(actions):
@@ -165,7 +164,10 @@ class Regions:
         node, texts = read.node, read.texts
         number = {at: group for group, members in enumerate(groups) for at in members}
         group_of = {name: number[at] for name, at in read.region_of.items()}
-        around = [*self._chart.mission.transitions, *(part for each in (node, *node.ancestors) for part in _own(each))]
+        around = [
+            *self._chart.mission.transitions,
+            *(part for each in (node, *node.ancestors) for part in own_parts(each.state)),
+        ]
         outer = frozenset(_names(around))
         key_of = {
             key: number[at] for key in sorted(self._world.fleeting) for at, text in enumerate(texts) if key in text
@@ -198,10 +200,6 @@ class Regions:
     def _has_tree(self, name: str) -> bool:
         state = self._chart.program.graph.nodes[name].state
         return state is not None and state.root() is not None
-
-    def _connecting(self, region_of: Mapping[str, int]) -> Iterator[str]:
-        """The words that connect regions wherever they appear in two of them."""
-        yield from (*self._events, *self._world.fleeting, *region_of)
 
     def _text(self, top: Node) -> Iterator[str]:
         """Every word of a region, with what a profile adds to its actions."""
@@ -285,12 +283,6 @@ class JoinedNumbers:
 
 def _is_outermost(node: Node) -> bool:
     return node.is_parallel and not any(each.is_parallel or each.is_each for each in node.ancestors)
-
-
-def _own(node: Node) -> Iterator[Any]:
-    """What is written in a state, without the states inside it."""
-    if node.state is not None:
-        yield from (getattr(node.state, field) for field in type(node.state).model_fields if field not in INNER)
 
 
 def _transitions(node: Node) -> list[CompiledTransition]:

@@ -28,7 +28,7 @@ from rai_missions.prove.loops import Loop
 from rai_missions.prove.nondeterminism import OpenBoard
 from rai_missions.prove.open_rounds import PREFIX, list_name
 from rai_missions.prove.open_world import NOW, OpenWorld
-from rai_missions.prove.parts import guards_in, parts
+from rai_missions.prove.parts import guards_in, own_parts, parts
 from rai_missions.prove.store import Kept, Rivals, Store, StoreQuery, Stores, fingerprint, first_alike
 from rai_missions.states.tree.leaves import ActionLeaf
 
@@ -95,7 +95,7 @@ class StateCodec:
             "state": lambda node: node.index,
             "events": self._events_key,
             "memory": self._memory_key,
-            "deadline": _is_never,
+            "deadline": lambda until: until == math.inf,
             "deadlines": _deadlines_key,
             "settling": list,
             "controls": sorted,
@@ -104,12 +104,12 @@ class StateCodec:
             "rounds": sorted,
             "lists": self._lists_key,
             "activities": _activities_key,
-            "calls": _calls_key,
+            "calls": lambda calls: sorted(calls.values()),
             "goals": _pursued_key,
             "board": self._board_key,
             "ages": self._ages_key,
             "since": _since_key,
-            "payload": _payload_key,
+            "payload": lambda payload: sorted(payload.items()),
         }
         keyed = [(each.name, keys_by_kind[each.holds]) for each in TABLE if each.holds in keys_by_kind]
         plain_fields = [each.name for each in TABLE if each.holds in AS_IT_IS]
@@ -127,8 +127,7 @@ class StateCodec:
         mission, facts = self._chart.mission, self._chart.terms
         found = {"": _ages([mission.transitions, mission.invariants])}
         for _, name, state in mission.walk():
-            inner = set(type(state).model_fields) & {"states", "parallel"}
-            own = [getattr(state, field) for field in type(state).model_fields if field not in inner]
+            own = own_parts(state)
             actions = {getattr(state, "action", ""), *(leaf.action for leaf in parts(own, ActionLeaf))}
             by_profile = [
                 guards[action] for guards in (facts.succeeded, facts.failed) for action in actions & set(guards)
@@ -172,8 +171,7 @@ class StateCodec:
 
     def own(self) -> dict[str, Any]:
         """What the mission's own keys hold."""
-        own, bounds = self._world.own_keys, self._rest.saturating
-        found = {key: entry for key, entry in self._world.board.entries() if key in own}
+        bounds, found = self._rest.saturating, self._world.own()
         found |= {list_name(name): Stamped(each, NOW) for name, each in self._world.rounds.entries()}
         for key in self.stores.counters & found.keys():
             entry = found[key]
@@ -188,9 +186,9 @@ class StateCodec:
             before: The store that it began with.
             is_exact: The values themselves decide how the step goes: nothing is counted on from others.
         """
-        written, added, own = dict[str, Any](), dict[str, int](), self._world.own_keys
-        for key, entry in self._world.board.entries():
-            if key not in own or before.keys.get(key) is entry or before.board.get(key) is entry:
+        written, added = dict[str, Any](), dict[str, int]()
+        for key, entry in self._world.own().items():
+            if before.keys.get(key) is entry or before.board.get(key) is entry:
                 continue
             if entry is None or entry[0].__class__ is not Count:
                 written[key] = entry
@@ -339,10 +337,6 @@ def _kept(lists: frozenset[str], later: Later | None, key: str, entry: Any) -> A
     return Stamped(later.of(key, entry[0]), entry[1])
 
 
-def _is_never(until: float) -> bool:
-    return until == math.inf
-
-
 def _deadlines_key(deadlines: Mapping[str, float]) -> Any:
     return [(name, until == math.inf) for name, until in sorted(deadlines.items())]
 
@@ -354,10 +348,6 @@ def _timers_key(timers: Mapping[Any, Any]) -> Any:
 def _activities_key(running: Mapping[str, Any]) -> Any:
     """In the order in which they are informed of things."""
     return [(name, key_of(activity)) for name, activity in running.items()]
-
-
-def _calls_key(calls: Mapping[int, str]) -> Any:
-    return sorted(calls.values())
 
 
 def _pursued_key(goals: Mapping[int, Goal]) -> Any:
@@ -376,10 +366,6 @@ def _rivals_key(rivals: Rivals, store: Store) -> Any:
 
 def _since_key(held: Mapping[str, float]) -> Any:
     return [(memory, since == NOW) for memory, since in sorted(held.items())]
-
-
-def _payload_key(payload: Mapping[str, Any]) -> Any:
-    return sorted(payload.items())
 
 
 def _counting(activity: Any, loop: Loop, ended: int | None) -> Any:

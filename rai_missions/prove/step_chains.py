@@ -84,7 +84,7 @@ class StepChains:
             draft: What the step has gathered.
             place: All that the next microsteps depend on but the mission's own keys.
         """
-        own = self._own()
+        own = self._world.own()
         unpolled = sorted({key for key, _ in draft.written[draft.polled :]})
         waiting = (unpolled, sorted(draft.presence_changes), sorted(draft.news.items()), draft.goal_ended)
         place = repr((place, waiting))
@@ -111,8 +111,4 @@ class StepChains:
             self._world.board.put(key, chain.own[key])
         self._instruments.asked.update((chain.looked | chain.written) & self._world.stored)
         self._world.board.looked |= chain.looked
-        return self._own()
-
-    def _own(self) -> dict[str, Any]:
-        keys = self._world.own_keys
-        return {key: entry for key, entry in self._world.board.entries() if key in keys}
+        return self._world.own()

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Circles within a step, seen as they close, where the run itself takes ten thousand microsteps.
 
-Rule: a step has gone round only where everything is as it was before, as far as anything can to_key. What becomes of it
-then is what the limits of a step make of it, whichever comes first: that of microsteps ends the mission, that of a
-tree's rounds has the tree rest, and the mission continues.
+Rule: a step has gone round only where everything is as it was before, as far as anything can distinguish it. What
+becomes of it then is what the limits of a step make of it, whichever comes first: that of microsteps ends the mission,
+that of a tree's rounds has the tree rest, and the mission continues.
 
 Rule: a list has an end. Where a step has come, in the same list, to a place that it passed with one more item to come,
 no more items need to be tried: what they could bring follows from the earlier visit.
@@ -172,10 +172,8 @@ class StepCircles:
 
     def _counted(self) -> list[Any]:
         """What the mission's own keys hold; of a counter no more than guards distinguish."""
-        found, bounds, idle, own = [], self._rest.saturating, self._rest.idle, self._world.own_keys
-        for key, entry in self._world.board.entries():
-            if key not in own:
-                continue
+        found, bounds, idle = [], self._rest.saturating, self._rest.idle
+        for key, entry in self._world.own().items():
             value: Any = None if entry is None else plain(entry[0])
             if key in bounds and entry is not None:
                 low, high = bounds[key]
