@@ -9,6 +9,7 @@ from rai_missions.profile.connector_faults import connector_faults, field_faults
 from rai_missions.profile.conversation import GRANTED, ORDERS, ConversationPolicy, OrderName
 from rai_missions.profile.convert import plain
 from rai_missions.profile.coverage import actions_of, commanded_names, missing, missing_tools, missing_world
+from rai_missions.profile.endpoints import Endpoint, endpoints, lacking, wanted
 from rai_missions.profile.entries import ActionEntry, ServiceEntry, TopicEntry
 from rai_missions.profile.files import (
     dump_profile,
@@ -20,10 +21,8 @@ from rai_missions.profile.files import (
 )
 from rai_missions.profile.legible import legible_profile, load_whole_profile, missing_anyway
 from rai_missions.profile.message_fields import absent_field, unknown_fields, why_unreadable
-from rai_missions.profile.message_types import lacking
 from rai_missions.profile.profile import Robot, Rule, terms
 from rai_missions.profile.python_robot import RobotProgram, check_functions, profile_of, read_program
-from rai_missions.profile.robot_names import RobotEntry, wanted
 from rai_missions.profile.sources import EventSource, Source
 
 __all__ = (
@@ -31,10 +30,10 @@ __all__ = (
     "ORDERS",
     "ActionEntry",
     "ConversationPolicy",
+    "Endpoint",
     "EventSource",
     "OrderName",
     "Robot",
-    "RobotEntry",
     "RobotProgram",
     "Rule",
     "ServiceEntry",
@@ -46,6 +45,7 @@ __all__ = (
     "commanded_names",
     "connector_faults",
     "dump_profile",
+    "endpoints",
     "field_faults",
     "identity_folder",
     "is_program",

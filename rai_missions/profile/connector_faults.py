@@ -9,10 +9,9 @@ from typing import Any
 from rai_missions.connectors.registry import check_connector, check_options, connector_offer
 from rai_missions.errors import Fault, UsageError
 from rai_missions.mission.mission import Mission
+from rai_missions.profile.endpoints import lacking, misnamed
 from rai_missions.profile.message_fields import unknown_fields
-from rai_missions.profile.message_types import lacking
 from rai_missions.profile.profile import Robot
-from rai_missions.profile.robot_names import misnamed
 from rai_missions.worlds.world import check_local
 
 __all__ = ("connector_faults", "field_faults", "middleware_faults")

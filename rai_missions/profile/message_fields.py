@@ -13,7 +13,7 @@ from rai_missions.errors import Fault, pointer
 from rai_missions.guards.guard import Guard
 from rai_missions.mission.mission import Mission
 from rai_missions.plain_data import at_path, is_number
-from rai_missions.profile.message_types import listened
+from rai_missions.profile.endpoints import listened
 from rai_missions.profile.profile import Robot
 from rai_missions.profile.sent_fields import unknown_sent_fields
 from rai_missions.profile.sources import EventSource, Source

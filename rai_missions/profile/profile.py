@@ -7,7 +7,7 @@ Rule: a profile states where things are received and done, never what they mean 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
@@ -34,10 +34,7 @@ from rai_missions.profile.sources import EventSource, Source
 from rai_missions.redaction import shown
 from rai_missions.states.control import HOLDERS
 
-__all__ = ("Endpoint", "Place", "Robot", "Rule", "ToolPolicy", "endpoints", "service_places", "terms")
-
-HANDS_OVER = ("agent", "operator")
-"""By whom control may be handed over; each has services of its own where the name reports `{by}`."""
+__all__ = ("Place", "Robot", "Rule", "ToolPolicy", "service_places", "terms")
 
 
 class Rule(MissionModel):
@@ -185,26 +182,3 @@ def service_places(robot: Robot) -> Iterator[tuple[Place, ServiceEntry]]:
                 yield ("actions", name, word), part
     for name, service in robot.control.items():
         yield ("control", name), service
-
-
-class Endpoint(NamedTuple):
-    """A service, an action or a topic that is published on, by its name on the robot."""
-
-    mode: Literal["services", "actions", "topics"]
-    name: str
-    type: str
-
-
-def endpoints(robot: Robot) -> Iterator[Endpoint]:
-    """What a run on a robot may ask or publish on, as its profile names it; each once."""
-    found: dict[Endpoint, None] = {}
-    for action in robot.actions.values():
-        if action.action is not None:
-            found[Endpoint("actions", action.action, action.type)] = None
-    for place, service in service_places(robot):
-        for by in HANDS_OVER if place[0] == "control" else ("",):
-            name = service.service.replace("{by}", by) if by else service.service
-            found[Endpoint("services", name, service.type)] = None
-    for topic in robot.topics.values():
-        found[Endpoint("topics", topic.topic, topic.type)] = None
-    yield from found

@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 from rai_missions.check.index import MissionIndex, RobotUse
 from rai_missions.errors import Fault, pointer
 from rai_missions.mission.mission import Mission
+from rai_missions.profile.endpoints import listened
 from rai_missions.profile.entries import references
 from rai_missions.profile.field_values import SentValue, misfit, sent_value
-from rai_missions.profile.message_types import listened
 from rai_missions.profile.profile import Place, Robot, service_places
 from rai_missions.profile.receivers import SENT_WORDS, receiver_of
 from rai_missions.profile.type_fields import FieldsOf, TypePart, lack

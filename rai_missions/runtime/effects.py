@@ -32,7 +32,7 @@ from rai_missions.event import Event, EventKind
 from rai_missions.journal.in_flight import InFlight
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, plain
-from rai_missions.profile.profile import endpoints
+from rai_missions.profile.endpoints import asked
 from rai_missions.redaction import cut, cut_repr, logger
 from rai_missions.runtime.behaviours import Behaviours
 from rai_missions.runtime.control_handover import Handovers
@@ -127,7 +127,8 @@ class EffectExecutor:
     def _expect(self) -> None:
         connector: object = self._connector
         if isinstance(connector, SupportsPreconnect):
-            for mode, name, type_name in endpoints(self._robot):
+            entries = asked(self._robot)
+            for mode, name, type_name in dict.fromkeys((e.mode, name, e.type) for e in entries for name in e.names):
                 with suppress(MissionError):  # reported when it is used
                     connector.expect(mode, name, type_name)
 

@@ -9,8 +9,7 @@ import pytest
 
 from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import Robot, lacking, load_profile
-from rai_missions.profile.message_types import TypeUse, typed
+from rai_missions.profile import Robot, endpoints, lacking, load_profile
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 SHIPPED = sorted(MISSIONS.glob("*/robot.*.json"))
@@ -20,12 +19,12 @@ SHIPPED = sorted(MISSIONS.glob("*/robot.*.json"))
 def test_every_type_of_a_shipped_profile_is_met_with_its_place(profile: Path) -> None:
     robot = load_profile(profile)
     missions = [path for path in profile.parent.glob("*.json") if not path.name.startswith("robot.")]
-    found = [each for mission in missions for each in typed(load(mission), robot)]
+    found = [each for mission in missions for each in endpoints(robot, load(mission))]
     assert all(each.type.split("/")[1] == each.kind for each in found)
     text = profile.read_text(encoding="utf-8")
     assert {each.type for each in found} >= {kind for kind in ("nav2_msgs/action/NavigateToPose",) if kind in text}
     received = set(robot.blackboard)
-    assert received == {each.place.split("/")[2] for each in found if each.place.startswith("/blackboard")}
+    assert received == {each.place[1] for each in found if each.place[0] == "blackboard"}
 
 
 MISSION = Mission.model_validate(
@@ -71,15 +70,15 @@ ROBOT = Robot.model_validate(
 
 
 def test_what_the_mission_does_not_use_need_not_be_here() -> None:
-    assert list(typed(MISSION, ROBOT)) == [
-        TypeUse("/blackboard/here/type", "msg", "p/msg/Here"),
-        TypeUse("/holder/type", "msg", "p/msg/Holder"),
-        TypeUse("/actions/go/type", "action", "p/action/Go"),
-        TypeUse("/services/bell/type", "srv", "p/srv/Bell"),
-        TypeUse("/actions/made/start", "srv", "p/srv/S"),
-        TypeUse("/control/agent", "srv", "p/srv/Hand"),
-        TypeUse("/topics/light/type", "msg", "p/msg/Light"),
-        TypeUse("/alive/type", "msg", "p/msg/Alive"),
+    assert [(each.type_place, each.kind, each.type) for each in endpoints(ROBOT, MISSION)] == [
+        ("/blackboard/here/type", "msg", "p/msg/Here"),
+        ("/holder/type", "msg", "p/msg/Holder"),
+        ("/actions/go/type", "action", "p/action/Go"),
+        ("/services/bell/type", "srv", "p/srv/Bell"),
+        ("/actions/made/start", "srv", "p/srv/S"),
+        ("/control/agent", "srv", "p/srv/Hand"),
+        ("/topics/light/type", "msg", "p/msg/Light"),
+        ("/alive/type", "msg", "p/msg/Alive"),
     ]
 
 

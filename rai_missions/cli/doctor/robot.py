@@ -13,8 +13,7 @@ from pathlib import Path
 from rai_missions.cli.doctor.finding import MachineFinding, ProbeResult, tried
 from rai_missions.connectors.registry import connector_offer
 from rai_missions.errors import suggestion
-from rai_missions.profile import Robot, RobotEntry, connector_faults, unknown_fields, wanted
-from rai_missions.profile.message_types import typed
+from rai_missions.profile import Endpoint, Robot, connector_faults, endpoints, unknown_fields, wanted
 from rai_missions.profile.type_fields import TypePart
 
 __all__ = ("loads", "reach")
@@ -81,14 +80,14 @@ def _local(kind: str, robot: Robot) -> MachineFinding:
 
 
 def _types(robot: Robot, given: Mapping[str, str]) -> Iterator[MachineFinding]:
-    asked = list(typed(None, robot))
+    asked = list(endpoints(robot))
     found = tried("types", [[each.type, each.kind] for each in asked], given)
     if found.fault:
         yield MachineFinding("missing", f"the types that '{robot.name}' names cannot be looked up", found.fault)
         return
     yield from _fields(robot, given)
     absent = [(each, why) for each, why in zip(asked, found.value, strict=True) if why]
-    yield from (MachineFinding("missing", f"{each.place.lstrip('/')}: {each.type}", why) for each, why in absent)
+    yield from (MachineFinding("missing", f"{each.type_place.lstrip('/')}: {each.type}", why) for each, why in absent)
     if not absent:
         yield MachineFinding("ok", f"all {len({each.type for each in asked})} types that '{robot.name}' names are here")
 
@@ -106,7 +105,7 @@ def _fields(robot: Robot, given: Mapping[str, str]) -> Iterator[MachineFinding]:
         yield MachineFinding("missing", fault.place.lstrip("/"), fault.sentence)
 
 
-def _looked_for(each: RobotEntry, there: Mapping[str, str]) -> MachineFinding:
+def _looked_for(each: Endpoint, there: Mapping[str, str]) -> MachineFinding:
     what = each.what
     if each.name not in there:
         if each.is_listener:
