@@ -25,6 +25,21 @@ __all__ = ("OPERATORS", "OPPOSITES", "ORDERED", "Compare", "Operator", "comparab
 OperandValue = Annotated[Json, OPERAND]
 
 
+def _is_one_of(value: Any, listed: Any) -> bool:
+    """Whether a list has a value, as `==` has it: true is not 1.
+
+    Raises:
+        TypeError: It is no list; a text has parts, and an object names, which are no items.
+    """
+    if not isinstance(listed, list | tuple):
+        raise TypeError(listed)
+    return value in listed and any(_equal(value, item) for item in listed)
+
+
+def _equal(one: Any, other: Any) -> bool:
+    return isinstance(one, bool) is isinstance(other, bool) and bool(one == other)
+
+
 class Operator(NamedTuple):
     """How a key is compared: all that there is to one word of `{"key": …}`, next to its field in `Compare`."""
 
@@ -48,7 +63,7 @@ OPERATORS: Mapping[str, Operator] = {
     "<=": Operator("at_most", "≤", ">", operator.le, orders=True),
     ">": Operator("greater", ">", "<=", operator.gt, orders=True),
     ">=": Operator("at_least", "≥", "<", operator.ge, orders=True),
-    "in": Operator("within", "is one of", "not in", lambda left, right: left in right, takes_list=True),
+    "in": Operator("within", "is one of", "not in", _is_one_of, takes_list=True),
 }
 ORDERED = frozenset(word for word, each in OPERATORS.items() if each.orders)
 OPPOSITES = {word: each.opposite for word, each in OPERATORS.items()} | {"not in": "in"}
@@ -100,7 +115,7 @@ class Compare(Guard, word="key"):
                 f"a comparison has one of {', '.join(OPERATORS)}, this has {', '.join(given) if given else 'none'};"
                 f" write it like {self.example % '<'}",
             )
-        if self._operator.takes_list and not isinstance(self.operand, list | Mapping):
+        if self._operator.takes_list and self.other is None and not isinstance(self.operand, list):
             raise fault("operator", f"'{self.op}' takes a list of values or a key that holds one, not {self.operand!r}")
         return self
 
@@ -306,17 +321,11 @@ def _hashable(value: Any) -> Any:
 
 def holds(value: Any, op: str, operand: Any) -> bool:
     """Whether a comparison of two constants is true."""
-    if op == "in":
-        return isinstance(operand, list | tuple) and any(_equal(value, item) for item in operand)
-    if op == "not in":
-        return isinstance(operand, list | tuple) and value not in operand  # as the engine has it: 1 is in [true]
     if op in ("==", "!="):
         return isinstance(value, bool) is isinstance(operand, bool) and _equal(value, operand) is (op == "==")
     try:
+        if op == "not in":
+            return not _is_one_of(value, operand)
         return bool(OPERATORS[op].apply(value, operand))
     except TypeError:
         return False
-
-
-def _equal(one: Any, other: Any) -> bool:
-    return isinstance(one, bool) is isinstance(other, bool) and bool(one == other)

@@ -10,7 +10,7 @@ import pytest
 from rai_missions import DefinitionError, Key, Keys, Mission, Ref, When
 from rai_missions.check import check
 from rai_missions.guards import Compare
-from rai_missions.guards.compare import OPERATORS, OPPOSITES, ORDERED, holds
+from rai_missions.guards.compare import OPERATORS, OPPOSITES, ORDERED, holds, truth
 from rai_missions.guards.form import Atom
 from rai_missions.guards.implication import form, implies
 from rai_missions.states import Final, State
@@ -60,3 +60,16 @@ def test_a_list_is_asked_for_where_an_operator_takes_one(word: str) -> None:
     with pytest.raises(DefinitionError, match=f"'{word}' takes a list of values or a key that holds one, not 1"):
         Compare("n", **{OPERATORS[word].field: 1})
     assert Compare("n", **{OPERATORS[word].field: Ref("others")}).other == "others"
+    with pytest.raises(DefinitionError, match=f"'{word}' takes a list of values or a key that holds one, not"):
+        Compare("n", **{OPERATORS[word].field: {"a": 1}})
+
+
+@pytest.mark.parametrize("operand", [[1, 2], [True], [False, 1], ["a"], [], "abc", {"a": 1}, 3])
+@pytest.mark.parametrize("value", [1, True, 1.0, "a", "ab"])
+def test_a_list_has_what_is_equal_to_one_of_its_items_and_nothing_else_is_a_list(value: Any, operand: Any) -> None:
+    """Of the run: true where an item is equal, unknown where there is no list."""
+    listed = isinstance(operand, list)
+    expected = any(holds(value, "==", item) for item in operand) if listed else None
+    assert truth(OPERATORS["in"].apply, value, operand, equality=False) is expected
+    assert holds(value, "in", operand) is (expected is True)
+    assert holds(value, "not in", operand) is (expected is False)
