@@ -23,6 +23,7 @@ __all__ = (
     "Fault",
     "MissionError",
     "UsageError",
+    "article",
     "counted",
     "escaped",
     "file_text",
@@ -99,6 +100,11 @@ def nearest(given: str, known: Iterable[str]) -> str:
 def counted(number: int, word: str) -> str:
     """`1 scene`, `2 scenes`: a number of things, for a sentence."""
     return f"{number} {word}{'' if number == 1 else 's'}"
+
+
+def article(word: str) -> str:
+    """A word with its article: `an event`, `a state`."""
+    return f"{'an' if word[0] in 'aeiou' else 'a'} {word}"
 
 
 def suggestion(given: str, known: Iterable[str]) -> str:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, article
 from rai_missions.guards.guard import Guard
 from rai_missions.guards.view import Site
 from rai_missions.keys import Key, Stamped
@@ -51,7 +51,7 @@ def check_kind(part: TaggedModel, sort: str, lines: Callable[[], Iterable[str]])
         raise UsageError(f"to its contract is held one {sort}, made by its class, and not {shown(given, by=clipped)}")
     kind = type(part)
     why = kind.admit(kind) if kind in kind.foreign else ""
-    assert not why, f"'{part.word}' may not be used as {'an' if sort[0] in 'aeiou' else 'a'} {sort}: {why}"
+    assert not why, f"'{part.word}' may not be used as {article(sort)}: {why}"
     assert kind.model_validate(part.written()) == part, f"'{part.word}' is not what it is written as"
     assert all(line.strip() and "\n" not in line for line in lines()), (
         f"'{part.word}' has no words, or more than a line"

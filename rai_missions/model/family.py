@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import core_schema
 
-from rai_missions.errors import UsageError, suggestion, uncalled
+from rai_missions.errors import UsageError, article, suggestion, uncalled
 from rai_missions.kinds import PackageOffer, known_names, offered
 from rai_missions.model.fields import NAME, fault
 from rai_missions.model.mission_model import MissionModel
@@ -108,7 +108,9 @@ class TaggedModel(MissionModel):
         if not given and "" in cls.kinds:
             return ""
         if given:
-            raise fault("kinds", f"a {cls.family} is one thing, this is {len(given)}: {', '.join(given)}; keep one")
+            raise fault(
+                "kinds", f"{article(cls.family)} is one thing, this is {len(given)}: {', '.join(given)}; keep one"
+            )
         unknown = next((str(word) for word in data), "")
         if meant := next((cls.meant[word] for word in map(str, data) if word in cls.meant), ""):
             raise fault("kind", f"no {cls.family} is written {sorted(map(str, data))}; did you mean '{meant}'?")
@@ -133,8 +135,10 @@ class TaggedModel(MissionModel):
         if isinstance(data, cls):
             return data
         if not isinstance(data, Mapping):
-            given = f"a {data.family}" if isinstance(data, TaggedModel) else shown(data)
-            raise fault("object", f"a {cls.family} is an object, not {given}{uncalled(data) or cls.remedy(data)}")
+            given = article(data.family) if isinstance(data, TaggedModel) else shown(data)
+            raise fault(
+                "object", f"{article(cls.family)} is an object, not {given}{uncalled(data) or cls.remedy(data)}"
+            )
         kind = cls.kind(cls.choose(data))
         assert kind is not None
         return kind.model_validate(data)

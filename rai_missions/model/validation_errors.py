@@ -12,7 +12,7 @@ from typing import Annotated, Any, Protocol, Self, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from rai_missions.errors import DefinitionError, Fault, pointer, suggestion, uncalled
+from rai_missions.errors import DefinitionError, Fault, article, pointer, suggestion, uncalled
 from rai_missions.redaction import shown
 
 __all__ = ("KEY", "faults_of", "model_at", "place_of", "refusals", "validated", "words_of")
@@ -185,7 +185,7 @@ def _thing(model: type[Any] | None) -> str:
         return "this"
     family, word = getattr(model, "family", ""), getattr(model, "word", "")
     name = f"{family} with '{word}'" if family and word else family or _noun(model.__name__)
-    return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
+    return article(name)
 
 
 def _noun(class_name: str) -> str:

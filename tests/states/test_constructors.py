@@ -133,6 +133,7 @@ def test_functions_for_authors_explain_their_words(function: Any) -> None:
             lambda: states.Compound(initial="go", states={"go": tree.Wait(1)}),
             "/states/go: a state is an object, not a tree node; a tre",
         ),
+        (lambda: State(entry=[Named("on")]), "/entry/0: an effect is an object, not a guard"),
         (lambda: Set("n", add=Ref("k")), "/add: <k> is not a number; its value is known in a run: write a constant"),
         (
             lambda: Action("go", goal=Ref("k")),
