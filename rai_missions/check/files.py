@@ -14,8 +14,9 @@ from typing import Any, NamedTuple
 from rai_missions.check.finding import Finding, document_order, faults_of
 from rai_missions.check.rules import check, check_part, holds_anyway
 from rai_missions.errors import DefinitionError, Fault, MissionError, steps_of
-from rai_missions.mission.files import load
-from rai_missions.mission.include import expanded, read_mission
+from rai_missions.mission.files import written_mission
+from rai_missions.mission.garbage import few_collections
+from rai_missions.mission.include import expanded
 from rai_missions.mission.json_reader import read_json
 from rai_missions.mission.legible import LegiblePart, legible_part
 from rai_missions.mission.mission import Mission
@@ -54,12 +55,10 @@ def check_file(path: str, *, python: bool = True, named: Collection[str] | None 
     Raises:
         UsageError: There is no such file, or it is of another kind.
     """
-    try:
-        mission = load(path, python=python)
-    except DefinitionError as error:
-        unread = [Finding.of(each) for each in error.faults]
-        return CheckedFile(None, tuple(_with_rest(path, error.source or path, unread, named)))
-    return CheckedFile(mission, tuple(_located(path, mission, check(mission, named=named))))
+    read = _read(path, python=python)
+    if read.whole is None:
+        return CheckedFile(None, tuple(_with_rest(path, read, named)))
+    return CheckedFile(read.whole, tuple(_located(path, read.whole, check(read.whole, named=named))))
 
 
 def errors_of(
@@ -87,50 +86,75 @@ def load_whole(path: str | os.PathLike[str], *, python: bool = True) -> Mission:
         DefinitionError: The mission is at fault; every error with its JSON pointer.
         UsageError: There is no such file, or it is of another kind.
     """
+    read = _read(path, python=python)
+    if read.whole is not None:
+        return read.whole
+    found = [each.finding for each in _with_rest(str(path), read, None)]
+    raise DefinitionError(faults_of(found), read.source)
+
+
+class _FileContent(NamedTuple):
+    """What a file is read as: what is written there, and the whole with all that it includes; None for what is not."""
+
+    written: Mission | None
+    whole: Mission | None
+    unread: tuple[Finding, ...]
+    """What cannot be read."""
+    source: str
+    """The file with that."""
+
+
+def _read(path: str | os.PathLike[str], *, python: bool) -> _FileContent:
+    """Read a file as `load` does; one in Python is executed once.
+
+    Raises:
+        UsageError: There is no such file, or it is of another kind.
+    """
+    written: Mission | None = None
     try:
-        return load(path, python=python)
+        with few_collections():
+            written = written_mission(path, python=python)
+            return _FileContent(written, expanded(written, Path(path)), (), str(path))
     except DefinitionError as error:
-        unread = [Finding.of(each) for each in error.faults]
-        source = error.source or str(path)
-        found = _with_rest(str(path), source, unread, None)
-        raise DefinitionError(faults_of(each.finding for each in found), source) from None
+        return _FileContent(written, None, tuple(map(Finding.of, error.faults)), error.source or str(path))
 
 
-def _located(path: str, mission: Mission, findings: Collection[Finding]) -> Iterator[FileFinding]:
+def _located(path: str, mission: Mission, findings: Iterable[Finding]) -> Iterator[FileFinding]:
     """Findings in an expanded mission, each in the file and at the place where it is written."""
-    includes = path.endswith(".json") and any("/" in name for _, name, _ in mission.walk())
-    written = read_mission(Path(path)) if includes and findings else mission
-    origins = Origins(path, written)
+    origins = Origins(path, mission)
     for each in findings:
         there = origins.of(each.place)
         yield FileFinding(there.file, each._replace(place=there.place))
 
 
-def _with_rest(path: str, source: str, unread: list[Finding], named: Collection[str] | None) -> Iterator[FileFinding]:
+def _with_rest(path: str, read: _FileContent, named: Collection[str] | None) -> Iterator[FileFinding]:
     """What cannot be read, and what is wrong in the rest, in document order."""
     document: Any = None
     rest: tuple[Finding, ...] = ()
-    if path.endswith(".json"):
-        try:
+    try:
+        if path.endswith(".json"):
             document = read_json(Path(path))
-            rest = _of_rest(document, path, unread, named)
-        except MissionError:
-            rest = ()
-    places = {each.place for each in unread}
-    found = [*unread, *(each for each in rest if each.place not in places)]
+        elif read.written is not None:
+            document = read.written.written()
+        rest = _of_rest(document, path, read, named)
+    except MissionError:
+        rest = ()
+    places = {each.place for each in read.unread}
+    found = [*read.unread, *(each for each in rest if each.place not in places)]
     order = document_order(document)
     for each in sorted(found, key=lambda each: order(each.place)) if document is not None else found:
-        yield FileFinding(source, each)
+        yield FileFinding(read.source, each)
 
 
-def _of_rest(document: Any, path: str, unread: list[Finding], named: Collection[str] | None) -> tuple[Finding, ...]:
+def _of_rest(document: Any, path: str, read: _FileContent, named: Collection[str] | None) -> tuple[Finding, ...]:
     if not isinstance(document, Mapping):
         return ()
-    part = legible_part(document)
-    if part is None:
+    if read.written is not None:  # only what it includes cannot be read
+        part = LegiblePart(read.written, _steps(read.unread), frozenset(), has_states=True, has_targets=True)
+    elif (legible := legible_part(document)) is None:
         return ()
-    if not part.unread:  # only what it includes cannot be read
-        part = LegiblePart(part.mission, _steps(unread), part.names, has_states=True, has_targets=True)
+    else:
+        part = legible
     hidden = (Finding.of(each) for each in part.faults)
     unfit: tuple[Finding, ...] = ()
     try:

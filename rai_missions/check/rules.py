@@ -24,6 +24,7 @@ from rai_missions.given import check_given
 from rai_missions.mission.garbage import few_collections
 from rai_missions.mission.legible import LegiblePart, is_entry, words_in
 from rai_missions.mission.mission import Mission, given_mission
+from rai_missions.mission.origins import as_written
 
 __all__ = ("RULES", "CheckRule", "check", "check_part", "holds_anyway")
 
@@ -141,7 +142,8 @@ def check_part(
     """
     scopes = {rule.name: rule.scope for rule in RULES}
     found = (each for each in check(part.mission, named=named) if scopes[each.rule] != "mission")
-    return tuple(each for each in found if holds_anyway(each, scopes[each.rule], part, document))
+    placed = (each._replace(place=as_written(document, each.place)) for each in found)
+    return tuple(each for each in placed if holds_anyway(each, scopes[each.rule], part, document))
 
 
 def holds_anyway(finding: Finding, scope: str, part: LegiblePart, document: Mapping[str, Any]) -> bool:

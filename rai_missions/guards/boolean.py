@@ -7,9 +7,9 @@ Source: S. C. Kleene, Introduction to Metamathematics (1952), section 64, the st
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, ClassVar
 
-from pydantic import BeforeValidator, Field
+from pydantic import AfterValidator, Field
 
 from rai_missions.guards.analysis import Sources
 from rai_missions.guards.at_once import asked_at_once
@@ -21,23 +21,13 @@ from rai_missions.model import AnyOf
 __all__ = ("All", "Any_", "Not")
 
 
-def _flat(word: str) -> BeforeValidator:
-    """Takes a list of guards; a nested one of the same kind counts as its members."""
+def _flat(word: str) -> AfterValidator:
+    """Of guards; a nested one of the same kind counts as its members, once each was read in its place."""
 
-    def flatten(given: Any) -> Any:
-        if not isinstance(given, list | tuple):
-            return given
-        flat: list[Any] = []
-        for item in given:
-            if isinstance(item, dict) and set(item) == {word} and isinstance(item[word], list):
-                flat += flatten(item[word])
-            elif isinstance(item, Guard) and item.word == word:
-                flat += item.inner()
-            else:
-                flat.append(item)
-        return tuple(flat)
+    def flatten(given: tuple[Guard, ...]) -> tuple[Guard, ...]:
+        return tuple(each for guard in given for each in (guard.inner() if guard.word == word else (guard,)))
 
-    return BeforeValidator(flatten)
+    return AfterValidator(flatten)
 
 
 GUARD = AnyOf[Guard]

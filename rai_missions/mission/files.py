@@ -19,7 +19,7 @@ from rai_missions.mission.garbage import few_collections
 if TYPE_CHECKING:
     from rai_missions.mission.mission import Mission
 
-__all__ = ("SCHEMA", "dump", "load", "write_atomically")
+__all__ = ("SCHEMA", "dump", "load", "write_atomically", "written_mission")
 
 SCHEMA = "mission.schema.json"
 """Where an editor looks for the schema: next to the mission. `rai-missions schema` prints it."""
@@ -39,18 +39,34 @@ def load(path: str | os.PathLike[str], *, python: bool = True) -> Mission:
         DefinitionError: The mission is at fault; every fault with its JSON pointer.
         UsageError: There is no such file, or it is of another kind.
     """
+    from rai_missions.mission.include import expanded
+
+    return expanded(written_mission(path, python=python), Path(path))
+
+
+def written_mission(path: str | os.PathLike[str], *, python: bool = True) -> Mission:
+    """The mission in a file as it is written there: inclusions are states of their own.
+
+    Args:
+        path: As `load` takes it.
+        python: Whether a `.py` file may be executed.
+
+    Raises:
+        DefinitionError: The mission is at fault; every fault with its JSON pointer.
+        UsageError: There is no such file, or it is of another kind.
+    """
     from rai_missions.errors import UsageError
     from rai_missions.given import given_path
-    from rai_missions.mission.include import expanded, read_mission
+    from rai_missions.mission.include import read_mission
     from rai_missions.mission.python_file import run_mission_file
 
     file = given_path(path, "load")
     if file.suffix == ".json":
-        return expanded(read_mission(file), file)
+        return read_mission(file)
     if file.suffix == ".py":
         if not python:
             raise UsageError(f"'{file}' is Python, which is not to be executed here; give the mission as JSON")
-        return expanded(run_mission_file(file), file)
+        return run_mission_file(file)
     if str(path).lstrip().startswith("{"):
         raise UsageError("this is the text of a mission; load takes its file, Mission.model_validate_json the text")
     raise UsageError(f"'{file}' is neither .json nor .py; a mission is one of them")

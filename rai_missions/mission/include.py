@@ -65,6 +65,8 @@ def expanded(mission: Mission, file: Path) -> Mission:
     if len(states) <= MAX_STATES and not any(isinstance(state, Include) for state in states):
         return mission
     whole = _without_inclusions(mission, Chain((file.resolve(),), {"states": 0, "bytes": 0}), str(file))
+    if whole.behaviours():  # which no file has, so that none is read of it
+        return whole
     if (levels := _levels(whole.written())) > MAX_DEPTH:
         why = f"with all it includes it nests {levels} objects and lists, more than {MAX_DEPTH}; include less deeply"
         raise DefinitionError([Fault("", why)], str(file))
@@ -175,7 +177,8 @@ def _compound(name: str, include: Include, inner: Mission) -> Inclusion:
     common["about"] = include.about or inner.about
     common["transitions"] = (*include.transitions, *transitions)
     compound = Compound.model_validate(
-        {**common, "initial": tuple(names.state(each) for each in inner.initial), "states": states}
+        {**common, "initial": tuple(names.state(each) for each in inner.initial), "states": states},
+        context={"included_by": include},
     )
     keys = {
         names.key(each): _given(key, include.with_[each]) if each in include.with_ else key

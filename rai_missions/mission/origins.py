@@ -6,18 +6,21 @@ Rule: a place is reported in the file that its author opens to mend it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from pathlib import Path
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping
+from pathlib import Path, PurePath
+from typing import Any, NamedTuple
 
-from rai_missions.errors import pointer, steps_of
-from rai_missions.mission.include import read_mission
+from rai_missions.errors import MissionError, pointer, steps_of
+from rai_missions.mission.json_reader import read_json
 from rai_missions.mission.mission import Mission
-from rai_missions.states import Include
+from rai_missions.states import Compound, Include
 
-__all__ = ("Origins", "WrittenPlace")
+__all__ = ("Origins", "WrittenPlace", "as_written")
 
 NAMED = ("blackboard", "events", "invariants")
+
+
+JUNCTIONS = ("all", "any")
 
 
 class WrittenPlace(NamedTuple):
@@ -30,25 +33,23 @@ class WrittenPlace(NamedTuple):
 
 
 class Origins:
-    """Where the places of an expanded mission are written; each file is read once.
+    """Where the places of an expanded mission are written.
 
     Args:
-        file: The file of the outermost mission, which could be loaded.
-        mission: The mission as it is written there; read if not given.
+        file: The file of the outermost mission; empty where it has none.
+        mission: What it was expanded to.
     """
 
-    def __init__(self, file: str, mission: Mission | None = None) -> None:
+    def __init__(self, file: str, mission: Mission) -> None:
         self._file = file
-        self._places: dict[str, tuple[str, Include]] = {}
-        """The pointer of each state that is an inclusion → its name, and it."""
         self._names: dict[str, Include] = {}
-        self._included: dict[str, Origins] = {}
-        if not file.endswith(".json"):
-            return
-        written = mission if mission is not None else read_mission(Path(file))
-        for place, name, state in written.walk():
-            if isinstance(state, Include):
-                self._places[place], self._names[name] = (name, state), state
+        """The name of each state that was an inclusion → how that is written."""
+        self._places: dict[str, str] = {}
+        """Its pointer → its name."""
+        self._documents: dict[str, Any] = {}
+        for place, name, state in mission.walk():
+            if isinstance(state, Compound) and state.included_by is not None:
+                self._names[name], self._places[place] = state.included_by, name
 
     def of(self, place: str) -> WrittenPlace:
         """Where a place is written.
@@ -56,31 +57,100 @@ class Origins:
         Args:
             place: JSON pointer into the expanded mission.
         """
-        inside = self._inside(steps_of(place)) if self._names else None
-        if inside is None:
-            return WrittenPlace(self._file, place)
-        file, inner = str(Path(self._file).parent / inside.file), inside.place
-        if file not in self._included:
-            self._included[file] = Origins(file)
-        return self._included[file].of(inner)
+        steps = steps_of(place)
+        name, inside = self._named(steps) if steps[:1] and steps[0] in NAMED else self._stated(steps)
+        file = self._file_of(name) if name else self._file
+        inside = tuple(step.removeprefix(f"{name}/") for step in inside) if name else inside
+        if file not in self._documents:
+            self._documents[file] = _document(file)
+        document = self._documents[file]
+        return WrittenPlace(file, place if document is None else as_written(document, pointer(inside)))
 
-    def _inside(self, steps: Sequence[str]) -> WrittenPlace | None:
-        """The same place in an included mission; None where it is not written there."""
-        if len(steps) > 1 and steps[0] in NAMED:
-            name = steps[1].partition("/")[0]
-            include = self._names.get(name) if name != steps[1] else None
-            return None if include is None else _without(name, include, steps)
+    def _around(self, name: str) -> str:
+        """The innermost inclusion that brought a name; empty where it is the mission's own."""
+        while name := name.rpartition("/")[0]:
+            if name in self._names:
+                break
+        return name
+
+    def _chain(self, name: str) -> Iterator[str]:
+        """An inclusion and those around it, innermost first."""
+        while name:
+            yield name
+            name = self._around(name)
+
+    def _file_of(self, name: str) -> str:
+        """The file that an inclusion names; each names one relative to its own."""
+        file = PurePath(self._file)
+        for each in reversed(tuple(self._chain(name))):
+            file = file.parent / self._names[each].mission
+        return str(file)
+
+    def _named(self, steps: tuple[str, ...]) -> tuple[str, tuple[str, ...]]:
+        """The inclusion that brought a key, an event or an invariant, and the steps to a place in it there."""
+        name = self._around(steps[1]) if len(steps) > 1 else ""
+        if name and steps[0] == "invariants" and steps[2:3] == ("any",):
+            number = int(steps[3]) - sum(1 for each in self._chain(name))  # each asks first whether it is active
+            return name, (*steps[:3], str(number), *steps[4:])
+        return name, steps
+
+    def _stated(self, steps: tuple[str, ...]) -> tuple[str, tuple[str, ...]]:
+        """The innermost inclusion in whose file a place is, and the steps to it there."""
+        found, inside = "", steps
         for depth in range(2, len(steps) - 1):
-            if found := self._places.get(pointer(steps[:depth])):
-                name, include = found
-                word, rest = steps[depth], steps[depth + 1 :]
-                if word == "states":
-                    return _without(name, include, (word, *rest))
-                number = int(rest[0]) - len(include.transitions) if word == "transitions" else -1
-                return _without(name, include, (word, str(number), *rest[1:])) if number >= 0 else None
+            name = self._places.get(pointer(steps[:depth]))
+            if name is None:
+                continue
+            if steps[depth] == "states":
+                found, inside = name, steps[depth:]
+            elif steps[depth] == "transitions":
+                number = int(steps[depth + 1]) - len(self._names[name].transitions)
+                if number >= 0:
+                    found, inside = name, ("transitions", str(number), *steps[depth + 2 :])
+        return found, inside
+
+
+def _document(file: str) -> Any:
+    """What is written in a file; None where it is no JSON that can be read."""
+    try:
+        return read_json(Path(file)) if file.endswith(".json") else None
+    except MissionError:
         return None
 
 
-def _without(name: str, include: Include, steps: Iterable[str]) -> WrittenPlace:
-    """A place in an included mission, whose names have no prefix there."""
-    return WrittenPlace(include.mission, pointer([step.removeprefix(f"{name}/") for step in steps]))
+def as_written(document: Any, place: str) -> str:
+    """The pointer to a place of a mission in the document that it was read from.
+
+    A junction there may be nested in one of its kind, which are one in the mission; and where the document has another
+    guard, an inclusion has joined that with more.
+    """
+    here, found, rest = document, tuple[str, ...](), steps_of(place)
+    while rest:
+        step, *_ = rest
+        if step in JUNCTIONS and rest[1:2] and isinstance(here, Mapping):
+            parts = tuple(_parts(here.get(step), step))
+            if parts and int(rest[1]) >= len(parts):
+                return pointer(found)  # what an inclusion has joined it with
+            path, here = parts[int(rest[1])] if parts else ((), here)
+            found, rest = (*found, *path), rest[2:]
+            continue
+        here = _item(here, step)
+        if here is None:
+            break
+        found, rest = (*found, step), rest[1:]
+    return pointer((*found, *rest))
+
+
+def _item(here: Any, step: str) -> Any:
+    if isinstance(here, Mapping):
+        return here.get(step)
+    return here[int(step)] if isinstance(here, list) and step.isdecimal() and int(step) < len(here) else None
+
+
+def _parts(junction: Any, word: str) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """The guards that a junction has in a mission, each with the steps to it and as it is written."""
+    for number, part in enumerate(junction if isinstance(junction, list) else ()):
+        if isinstance(part, Mapping) and set(part) == {word} and isinstance(part[word], list):
+            yield from (((word, str(number), *steps), inner) for steps, inner in _parts(part[word], word))
+        else:
+            yield (word, str(number)), part

@@ -10,7 +10,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Iterator, Mapping, Sequence
 from functools import wraps
-from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic.fields import FieldInfo
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
         model_config: ClassVar[ConfigDict]
         model_fields: ClassVar[dict[str, FieldInfo]]
         model_fields_set: set[str]
+        __private_attributes__: ClassVar[dict[str, Any]]
 
         def __init__(self, **words: Any) -> None: ...
         @classmethod
@@ -166,7 +167,9 @@ class MissionModel(Model):  # noqa: PLW1641 - pydantic gives a frozen model its 
     __iter__ = None
     """Else pydantic takes one that is given alone, where a list of them is due, for a list of its words."""
 
-    def __getattr__(self, name: str) -> NoReturn:
+    def __getattr__(self, name: str) -> Any:
+        if name in type(self).__private_attributes__:  # pydantic keeps these apart from what is written
+            return super().__getattr__(name)  # type: ignore[misc]
         raise AttributeError(_NoSuchAttribute(type(self), name))
 
     @classmethod

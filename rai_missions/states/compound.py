@@ -4,9 +4,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, PrivateAttr
 
 from rai_missions.guards.analysis import Distinctions
 from rai_missions.model import KeyPath, Name, Path, StateNames
@@ -15,6 +15,9 @@ from rai_missions.states.control import Controller
 from rai_missions.states.effects import Effect
 from rai_missions.states.state import State, States
 from rai_missions.states.transition import Transition
+
+if TYPE_CHECKING:
+    from rai_missions.states.include import Include
 
 __all__ = ("Compound", "Each", "Parallel")
 
@@ -26,6 +29,7 @@ class Compound(State, word="states"):
     """A descendant, or one a region of a parallel descendant."""
     states: States = Field(min_length=1)
     """The states inside, by their names."""
+    _included_by: Include | None = PrivateAttr(default=None)
 
     def __init__(
         self,
@@ -40,6 +44,15 @@ class Compound(State, word="states"):
         timeout_s: float | None = None,
         handover_s: float = 5.0,
     ) -> None: ...
+
+    def model_post_init(self, context: Any, /) -> None:
+        """Remember the inclusion, where the context of its validation names one; it is no part of what is written."""
+        self._included_by = (context or {}).get("included_by")
+
+    @property
+    def included_by(self) -> Include | None:
+        """The inclusion that became this state, as it is written; None where its states are written here."""
+        return self._included_by
 
     def children(self) -> Mapping[str, State]:
         return self.states
