@@ -7,6 +7,7 @@ import ast
 import io
 import re
 import tokenize
+from collections import Counter
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -100,6 +101,29 @@ def test_a_name_is_imported_from_where_it_is_made() -> None:
         name for folder in OURS for name, text in files(folder) if not name.endswith("__init__.py") and passed_on(text)
     }
     assert found == PASSED_ON.keys()
+
+
+def functions_and_constants(text: str) -> set[str]:
+    """What a module makes of its own; a class or an alias of a type is named by what has it."""
+    found = {node.name for node in parsed(text).body if isinstance(node, ast.FunctionDef)}
+    named = {node.id for node in nodes(parsed(text)) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
+    return found | {name for name in named if name.isupper()}
+
+
+def test_what_a_module_offers_is_named_elsewhere() -> None:
+    """A function or constant that its own file alone names is its own affair."""
+    pages = [path.read_text(encoding="utf-8") for path in ROOT.glob("docs/**/*.md") if "decisions" not in path.parts]
+    texts = [*pages, *(text for folder in (*FOLDERS, "scripts") for _, text in files(folder))]
+    words = Counter(word for text in texts for word in set(re.findall(r"\w+", text)))
+    found = {
+        (name, each.value)
+        for folder in OURS
+        for name, text in files(folder)
+        if not name.endswith("__init__.py") and "/commands/" not in name
+        for each in offers(text)[0].elts  # type: ignore[union-attr]
+        if words[each.value] < 2 and each.value in functions_and_constants(text)
+    }
+    assert found == set()
 
 
 @pytest.mark.parametrize("folder", FOLDERS)

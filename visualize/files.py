@@ -29,7 +29,7 @@ from visualize.table import table
 if TYPE_CHECKING:
     from visualize.page import Journal, PageFinding
 
-__all__ = ("COMPARED", "FORMATS", "PAGE", "check_ending", "draw", "draw_difference", "draw_review", "drawn")
+__all__ = ("COMPARED", "FORMATS", "check_ending", "draw", "draw_difference", "draw_review", "drawn")
 
 FORMATS: Mapping[str, Callable[[Picture], bytes]] = {
     "svg": lambda given: render(given, "svg"),

@@ -18,7 +18,7 @@ from rai_missions.guards.view import View
 from rai_missions.profile import Robot
 from rai_missions.runtime.view import RunView
 
-__all__ = ("ORACLE", "OracleAnswerer")
+__all__ = ("OracleAnswerer",)
 
 ORACLE = "oracle"
 """What it is called wherever answers are shown."""

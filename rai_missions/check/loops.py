@@ -36,7 +36,7 @@ from rai_missions.states.tree import (
     Wait,
 )
 
-__all__ = ("MOST_TIMES", "long_loops", "lost_fallbacks", "waitless_loops")
+__all__ = ("long_loops", "lost_fallbacks", "waitless_loops")
 
 Ends = frozenset[str]
 """How a node may be after the tick that begins it: `success`, `failure`, `running` where it takes time; with `waits`

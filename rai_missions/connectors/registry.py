@@ -13,10 +13,7 @@ from rai_missions.connectors.connector import Connector
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.kinds import PackageOffer, known_names, offered
 
-__all__ = (
-    "CONNECTORS", "IN_PROCESS", "check_connector", "check_options", "connector_names", "connector_offer",
-    "open_offered",
-)  # fmt: skip
+__all__ = ("check_connector", "check_options", "connector_offer", "open_offered")
 
 GROUP = "rai_missions.connectors"
 CONNECTORS: Mapping[str, str] = {"ros2": "rai_missions.connectors.ros2", "mqtt": "rai_missions.connectors.mqtt"}

@@ -22,7 +22,7 @@ from rai_missions.engine.decision import Evidence, Offer, Question
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.model.validation_errors import validated
 
-__all__ = ("PlayedTurn", "check_conversation", "play_conversation", "settings_from", "view_from")
+__all__ = ("PlayedTurn", "check_conversation", "play_conversation")
 
 KINDS = (
     "person",

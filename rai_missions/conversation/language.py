@@ -21,7 +21,7 @@ from rai_missions.planning.text.language_file import LanguageTexts, language_cod
 from rai_missions.planning.text.normalise import Normaliser, each_way
 from rai_missions.redaction import cut
 
-__all__ = ("QUOTING", "Language", "known_languages", "language", "languages", "spoken")
+__all__ = ("QUOTING", "Language", "language", "languages", "spoken")
 
 WORD = re.compile(r"\{\w*\}|<\w*>|[^\s()\[\]|{}<>*]+")
 """A word of a phrase, a slot or a part."""

@@ -13,7 +13,7 @@ from rai_missions.errors import UsageError, suggestion
 from rai_missions.event import Role
 from rai_missions.profile.conversation import GRANTED, ORDERS, OrderName
 
-__all__ = ("MAY", "ORDERS", "ROLES", "LatePolicy", "RequestPolicy", "Settings", "permissions")
+__all__ = ("MAY", "ORDERS", "LatePolicy", "RequestPolicy", "Settings", "permissions")
 
 ROLES: tuple[Role, ...] = get_args(Role)
 RequestPolicy = Literal["queue", "refuse"]

@@ -10,7 +10,7 @@ from rai_missions.embodiment.document import Outline, TextDocument
 from rai_missions.embodiment.urdf import Body, BodyJoint, BodyLink, BodyShape, read_body
 from rai_missions.errors import counted
 
-__all__ = ("read_urdf_text", "sentences_of")
+__all__ = ("read_urdf_text",)
 
 TURNS = ("revolute", "continuous")
 

@@ -10,7 +10,7 @@ from rai_missions.embodiment.document import TextDocument
 from rai_missions.embodiment.passage import DocumentPassage
 from rai_missions.redaction import redacted
 
-__all__ = ("LONGEST_PASSAGE", "passages_of")
+__all__ = ("passages_of",)
 
 LONGEST_PASSAGE = 700
 """Characters of a passage, as near as sentences allow."""

@@ -16,7 +16,7 @@ from rai_missions.plain_data import plain
 from rai_missions.states import answerer_words
 from rai_missions.states.control import CONTROLLERS
 
-__all__ = ("Description", "describe", "effect_word", "resting_words", "step_json", "way_words")
+__all__ = ("Description", "describe", "effect_word", "step_json", "way_words")
 
 SHOWN = {control_note(holder): control_note(words) for holder, words in CONTROLLERS.items()}
 SHOWN[control_note("nobody")] += ", until the operator gives it"

@@ -10,7 +10,7 @@ from rai_missions.engine.hold import run_at
 from rai_missions.engine.program import Program
 from rai_missions.engine.state import TABLE, Holds, RunState
 
-__all__ = ("SHIFTS", "give_time_back", "shift")
+__all__ = ("give_time_back", "shift")
 
 Controls = Container[str | None]
 

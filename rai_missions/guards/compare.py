@@ -20,7 +20,7 @@ from rai_missions.model import Json, KeyPath, Path, Value, fault
 from rai_missions.model.references import OPERAND, OPERAND_WORDS, reference_word
 from rai_missions.redaction import clipped
 
-__all__ = ("OPERATORS", "OPPOSITES", "ORDERED", "Compare", "Operator", "comparable", "holds", "json_text")
+__all__ = ("OPERATORS", "OPPOSITES", "ORDERED", "Compare", "Operator", "comparable", "holds")
 
 OperandValue = Annotated[Json, OPERAND]
 

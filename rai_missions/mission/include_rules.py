@@ -19,7 +19,7 @@ from rai_missions.redaction import shown
 from rai_missions.states import DecisionSpec, Include
 from rai_missions.states.transition import ANY_EVENT
 
-__all__ = ("MAX_INCLUSIONS", "Chain", "included_file", "inclusion_faults", "questions", "refused", "shared_key")
+__all__ = ("Chain", "included_file", "inclusion_faults", "questions", "refused", "shared_key")
 
 MAX_INCLUSIONS = 16
 """Missions inside each other."""

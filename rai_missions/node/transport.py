@@ -16,7 +16,7 @@ from rai_missions.errors import UsageError
 from rai_missions.node.names import NodeName, node_name
 from rai_missions.profile import Robot
 
-__all__ = ("LATCHED", "LOG_TOPIC", "PACKAGE", "Carrier", "name_of", "open_carrier")
+__all__ = ("LOG_TOPIC", "PACKAGE", "Carrier", "name_of", "open_carrier")
 
 LATCHED = ("status", "mission_status", "control")
 """The node's own topics whose last message a late reader receives."""

@@ -50,7 +50,7 @@ from rai_missions.planning.tolerances import (
 )
 
 __all__ = (
-    "Truth", "are_linked", "at_first_poses", "columns", "covers", "downward", "holds", "inner", "reached", "rests_in",
+    "Truth", "are_linked", "at_first_poses", "columns", "covers", "downward", "holds", "inner", "reached",
     "rests_on", "support",
 )  # fmt: skip
 

@@ -19,7 +19,7 @@ from rai_missions.plain_data import apart, at_path
 from rai_missions.profile.convert import plain, pose_message
 from rai_missions.profile.sources import truth_of
 
-__all__ = ("ActionEntry", "AliveEntry", "OneService", "ServiceEntry", "TopicEntry", "given_to", "references")
+__all__ = ("ActionEntry", "AliveEntry", "OneService", "ServiceEntry", "TopicEntry", "references")
 
 TRIGGER = "std_srvs/srv/Trigger"
 POSES = ("PoseStamped", "Pose")

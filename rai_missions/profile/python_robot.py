@@ -26,7 +26,7 @@ from rai_missions.profile.coverage import missing
 from rai_missions.profile.profile import Robot
 from rai_missions.redaction import shown
 
-__all__ = ("KIND", "RobotProgram", "check_functions", "profile_of", "read_program", "same_file")
+__all__ = ("KIND", "RobotProgram", "check_functions", "profile_of", "read_program")
 
 KIND = "python"
 """The kind of its connector; a run opens it for a program that was named, and for nothing else."""

@@ -33,7 +33,6 @@ __all__ = (
     "Stores",
     "fingerprint",
     "first_alike",
-    "value_of",
 )  # fmt: skip
 
 MANY = 2

@@ -29,7 +29,6 @@ __all__ = (
     "report_of",
     "short",
     "stamp",
-    "state_of",
     "status_of",
     "step_of",
     "without_bytes",

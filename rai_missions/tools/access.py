@@ -18,7 +18,7 @@ from rai_missions.redaction import cut_repr
 from rai_missions.tools.allowlist import AccessKind, Allowlist
 from rai_missions.tools.latest import Latest
 
-__all__ = ("LONGEST_WAIT_S", "AllowedConnector", "Sample", "until")
+__all__ = ("AllowedConnector", "Sample", "until")
 
 T = TypeVar("T")
 LONGEST_WAIT_S = 60.0

@@ -17,7 +17,7 @@ from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import cut_repr
 from rai_missions.tools.transforms import planar
 
-__all__ = ("FREE", "LEGEND", "OCCUPIED", "UNCERTAIN", "UNKNOWN", "OccupancyGrid", "Window", "grid_of")
+__all__ = ("LEGEND", "OccupancyGrid", "Window", "grid_of")
 
 FREE, UNKNOWN, UNCERTAIN, OCCUPIED = ".", "?", "+", "#"
 LEGEND = "'#' occupied, '+' uncertain, '?' unknown or outside of the map, '.' free"

@@ -15,7 +15,7 @@ from rai_missions.tools.tool import RobotTool, robot_tool
 if TYPE_CHECKING:
     from rai_missions.embodiment.library import Library
 
-__all__ = ("RECALL", "recall_tool")
+__all__ = ("recall_tool",)
 
 RECALL = "recall"
 ABOUT = (

@@ -18,18 +18,7 @@ from typing import Any, NamedTuple
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import cut_repr
 
-__all__ = (
-    "Frames",
-    "Quaternion",
-    "Transform",
-    "TransformLookup",
-    "Vector",
-    "planar",
-    "product",
-    "rotated",
-    "stamp_of",
-    "yaw_of",
-)
+__all__ = ("Frames", "Quaternion", "Transform", "TransformLookup", "Vector", "planar", "product", "stamp_of", "yaw_of")
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]

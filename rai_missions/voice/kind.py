@@ -13,10 +13,7 @@ from typing import Any, Literal, NamedTuple, Protocol
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.kinds import PackageOffer, known_names, offered
 
-__all__ = (
-    "RECOGNISERS", "SHORT_S", "VOICES", "EarReading", "FrameReader", "Reading", "Recogniser", "SpeechSort", "Voice",
-    "known", "opened",
-)  # fmt: skip
+__all__ = ("SHORT_S", "EarReading", "FrameReader", "Reading", "Recogniser", "SpeechSort", "Voice", "known", "opened")
 
 SHORT_S = 3.0
 """A longer turn, with the quiet around it, is no phrase."""

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal, Protocol, runtime_checkable
 
 from rai_missions.connectors.connector import Data, Report
 
-__all__ = ("End", "GoalServer", "Later", "OnReport", "RunningGoal", "SupportsHeir", "unreported")
+__all__ = ("End", "GoalServer", "Later", "OnReport", "RunningGoal", "SupportsHeir")
 
 FEEDBACK_S = 0.5
 End = Literal["succeeded", "failed", "canceled"]

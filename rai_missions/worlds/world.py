@@ -30,7 +30,6 @@ __all__ = (
     "load_world",
     "open_world",
     "put_on",
-    "world_names",
     "world_offer",
 )
 

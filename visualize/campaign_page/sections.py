@@ -22,7 +22,7 @@ from visualize.campaign_page.plots import (
     span,
 )
 
-__all__ = ("NO_ANSWER", "sections")
+__all__ = ("sections",)
 
 NO_ANSWER = "no answer"
 SOURCES = (

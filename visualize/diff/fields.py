@@ -21,7 +21,6 @@ from visualize.diff.originals import AS_THEY_ARE, Originals
 from visualize.text import child_pointer, effects
 
 __all__ = (
-    "LIMITS",
     "FieldRef",
     "Relation",
     "as_words",

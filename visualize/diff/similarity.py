@@ -19,7 +19,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.mission.renaming import Names, renamed
 from rai_missions.states import State
 
-__all__ = ("CLEARLY", "ENOUGH", "ComparedMissions", "alike_keys", "alike_options", "alike_states")
+__all__ = ("ComparedMissions", "alike_keys", "alike_options", "alike_states")
 
 ENOUGH, CLEARLY = 0.6, 0.05
 MOST = 40_000

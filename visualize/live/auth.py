@@ -17,7 +17,7 @@ from typing import Any
 
 from rai_missions.event import Role
 
-__all__ = ("ASGI", "HEADERS", "ROLE", "TOKEN_HEADER", "Allowance", "Door")
+__all__ = ("ASGI", "ROLE", "Allowance", "Door")
 
 Scope = MutableMapping[str, Any]
 Message = MutableMapping[str, Any]

@@ -19,7 +19,7 @@ from rai_missions.errors import UsageError
 from visualize.live.feed import Feed
 from visualize.live.scene import RunScene
 
-__all__ = ("BEAT_S", "Hub", "Viewer")
+__all__ = ("Hub", "Viewer")
 
 MOST_VIEWERS = 32
 MOST_WAITING = 256

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 
-__all__ = ("COMES_WITHIN_S", "LARGEST_ORDER", "PostRefusal", "body_of", "refused")
+__all__ = ("LARGEST_ORDER", "PostRefusal", "body_of", "refused")
 
 LARGEST_ORDER = 65_536
 """Bytes of an order."""

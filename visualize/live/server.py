@@ -25,7 +25,7 @@ from visualize.live.hub import Hub
 from visualize.live.play import PlayDesk, play_application
 from visualize.live.talk import TalkDesk
 
-__all__ = ("PORT", "LivePage", "PageAddress")
+__all__ = ("LivePage", "PageAddress")
 
 PORT = 8765
 STALLED_MS = 10_000

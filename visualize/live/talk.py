@@ -18,7 +18,7 @@ from visualize.live.auth import ROLE, Allowance
 from visualize.live.posts import PostRefusal, body_of, refused
 from visualize.live.sound import SoundDesk
 
-__all__ = ("LARGEST_TALK", "TalkDesk", "TalkPages")
+__all__ = ("TalkDesk", "TalkPages")
 
 LARGEST_TALK = 16_384
 """Bytes of a message; a longer one is not read to its end."""

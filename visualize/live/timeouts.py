@@ -12,7 +12,7 @@ from typing import Any
 
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-__all__ = ("SPEAKS_WITHIN_S", "Impatient")
+__all__ = ("Impatient",)
 
 SPEAKS_WITHIN_S = 10.0
 

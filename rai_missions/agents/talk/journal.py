@@ -18,7 +18,7 @@ from rai_missions.journal.rows import Note
 from rai_missions.redaction import Redaction, cut, logger
 from rai_missions.runtime.runner import Runner
 
-__all__ = ("LINES", "TALK", "NoteSink", "TalkJournal", "earlier_lines", "waiting_requests")
+__all__ = ("NoteSink", "TalkJournal", "earlier_lines", "waiting_requests")
 
 log = logger(__name__)
 TALK, LINES = "talk", "lines"

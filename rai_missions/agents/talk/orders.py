@@ -19,7 +19,7 @@ from rai_missions.mission.option_parameters import parameter_faults
 from rai_missions.runtime.requests import GOOD_FOR_S, OVER, RunRequests, refusal_text
 from rai_missions.runtime.runner import Runner
 
-__all__ = ("LASTING", "OnOrderEnd", "RunOrders", "refusal_kind")
+__all__ = ("OnOrderEnd", "RunOrders", "refusal_kind")
 
 OnOrderEnd = Callable[[OrderResult], None]
 """Receives once, from any thread, what became of an order."""

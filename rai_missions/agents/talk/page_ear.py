@@ -22,7 +22,7 @@ from rai_missions.voice.absent import INSTALL_WEIGHTS
 from rai_missions.voice.listener import ListenSettings, Transcript
 from rai_missions.voice.setup import ListenNames
 
-__all__ = ("NEEDED", "PageEar", "why_deaf")
+__all__ = ("PageEar",)
 
 log = logger(__name__)
 

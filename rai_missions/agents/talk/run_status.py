@@ -23,7 +23,7 @@ from rai_missions.runtime.runner import Runner
 from rai_missions.states import State
 from rai_missions.states.final import Final
 
-__all__ = ("RobotWords", "RunStatus", "arguments_of", "mission_view")
+__all__ = ("RobotWords", "RunStatus", "arguments_of")
 
 MOST_HAPPENINGS = 40
 

@@ -18,7 +18,7 @@ from rai_missions.voice.listener import ListenSettings, Transcript
 from rai_missions.voice.setup import ListenNames
 from rai_missions.voice.spoken_text import SpokenEnd, SpokenText
 
-__all__ = ("CHANNEL", "VoiceDoor")
+__all__ = ("VoiceDoor",)
 
 CHANNEL = "voice"
 NAMES, SETTINGS = ListenNames(), ListenSettings()

@@ -28,7 +28,6 @@ __all__ = (
     "read",
     "reply_of",
     "too_long",
-    "too_many",
 )  # fmt: skip
 
 LONGEST = 20_000

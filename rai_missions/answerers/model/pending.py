@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from rai_missions.connectors.worker import Worker
 from rai_missions.engine.decision import Question
 
-__all__ = ("GRACE_S", "PendingQuestion", "QuestionThreads")
+__all__ = ("PendingQuestion", "QuestionThreads")
 
 Work = Callable[[], Mapping[str, Any]]
 GRACE_S = 0.5

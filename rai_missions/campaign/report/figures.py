@@ -26,7 +26,6 @@ __all__ = (
     "GroupName",
     "KindFigures",
     "Spread",
-    "baselines_of",
     "best_options",
     "figures_of",
     "is_unlabelled",

@@ -29,7 +29,7 @@ from rai_missions.connectors.readable import readable
 from rai_missions.mission.mission import Mission
 from rai_missions.plain_data import printable
 
-__all__ = ("LineInput", "TalkLines", "TypedLines", "line_words", "open_typing")
+__all__ = ("LineInput", "TalkLines", "TypedLines", "open_typing")
 
 WAYS = {"rules": "robot", "model": "robot, the model thinks", "documents": "robot, quoting", "unknown": "robot"}
 UNHEARD = {"cut": " (interrupted)", "failed": " (not spoken)"}

@@ -20,7 +20,7 @@ from rai_missions.connectors.worker import Work, Worker
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import cut, logger, shown
 
-__all__ = ("FROM_HUMAN", "TO_HUMAN", "VOICE_COMMANDS", "VOICE_WORDS", "HRIConnector")
+__all__ = ("FROM_HUMAN", "TO_HUMAN", "VOICE_COMMANDS", "HRIConnector")
 
 log = logger(__name__)
 

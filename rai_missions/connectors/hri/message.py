@@ -18,7 +18,7 @@ from rai_missions.image import Image
 from rai_missions.plain_data import text_fault
 from rai_missions.redaction import shown
 
-__all__ = ("MOST_BYTES", "MOST_ITEMS", "MOST_TEXT", "RATES_HZ", "Audio", "Author", "HRIMessage", "size_of")
+__all__ = ("MOST_BYTES", "MOST_ITEMS", "MOST_TEXT", "Audio", "Author", "HRIMessage", "size_of")
 
 Author = Literal["human", "ai"]
 """Who wrote a message: a person, or a machine that speaks for itself."""

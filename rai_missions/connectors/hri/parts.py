@@ -10,7 +10,7 @@ from rai_missions.connectors.hri.message import Audio, HRIMessage, size_of
 from rai_missions.errors import UsageError
 from rai_missions.image import Image
 
-__all__ = ("BYTES_OF_A_PART", "TEXT_OF_A_PART", "parts_of")
+__all__ = ("parts_of",)
 
 TEXT_OF_A_PART = 16_000
 """Characters; at most 64 kB on the wire."""

@@ -18,7 +18,7 @@ from unique_identifier_msgs.msg import UUID
 
 from rai_missions.connectors.ros2.node_thread import guarded
 
-__all__ = ("ACTIVE", "ObservedClient", "Sightings", "statuses_in")
+__all__ = ("ObservedClient", "Sightings", "statuses_in")
 
 ACTIVE = frozenset({GoalStatus.STATUS_ACCEPTED, GoalStatus.STATUS_EXECUTING, GoalStatus.STATUS_CANCELING})
 KEPT = 1000

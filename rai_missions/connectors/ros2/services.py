@@ -23,7 +23,7 @@ from rai_missions.connectors.ros2.node_thread import Runtime, Work, guarded
 from rai_missions.connectors.stamps import ReadingDate
 from rai_missions.redaction import logger
 
-__all__ = ("AT_ONCE", "MANY", "Client", "InFlightLimit", "Service")
+__all__ = ("MANY", "Client", "InFlightLimit", "Service")
 
 AT_ONCE = 10
 """The default depth of a ROS service's queue."""

@@ -23,7 +23,7 @@ from rai_missions.voice.kind import SHORT_S, Reading, Recogniser
 from rai_missions.voice.recognisers.phrase_network import STEPS_AFTER, PhraseNetwork, trained_network
 from rai_missions.voice.recognisers.whisper_weights import SIZES, WhisperWeights, weights_in, weights_of
 
-__all__ = ("FreeSpeech", "Whisper", "beginning", "once", "open_recogniser", "plain_words", "text_of_tokens")
+__all__ = ("FreeSpeech", "Whisper", "beginning", "once", "open_recogniser", "plain_words")
 
 WINDOW_STEPS, SHORT_WINDOW_STEPS = 1500, 1000
 """10 ms each; the second for sounds of a word. With less, or longer sounds, some are read many times over."""

@@ -16,7 +16,7 @@ from rai_missions.worlds.meshes import Mesh
 from rai_missions.worlds.open_set_detector import Thing
 
 __all__ = (
-    "CARROT", "COLOURS", "CORN", "CORN_HUSK", "CUBE_M", "KINDS", "WALL_M", "Kind", "Profile", "assets", "body",
+    "CARROT", "COLOURS", "CORN", "CORN_HUSK", "KINDS", "WALL_M", "Kind", "Profile", "assets", "body",
     "carrot_leaves", "free_name", "lookalikes",
 )  # fmt: skip
 

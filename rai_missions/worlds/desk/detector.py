@@ -17,7 +17,7 @@ from rai_missions.worlds.desk.look import SeenBody
 from rai_missions.worlds.open_set_detector import Thing
 from rai_missions.worlds.options import check_detector_options, is_down
 
-__all__ = ("MOST_ERRORS", "ClassifiedBody", "LookClassifier", "LookErrors")
+__all__ = ("ClassifiedBody", "LookClassifier", "LookErrors")
 
 MOST_ERRORS = 0.1
 """What a thing's class is taken from holds up to so many errors a look."""

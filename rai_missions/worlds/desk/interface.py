@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-__all__ = ("COLOUR", "DEPTH", "LENS", "OBJECTS", "SEEN", "TOPICS")
+__all__ = ("OBJECTS", "SEEN", "TOPICS")
 
 COLOUR, DEPTH, LENS = "color_image5", "depth_image5", "color_camera_info5"
 SEEN = COLOUR, DEPTH, LENS

@@ -20,7 +20,7 @@ from rai_missions.worlds.desk.look import FEWEST_SHARE, SeenBody, sigma_m, sigma
 from rai_missions.worlds.desk.posture import lean_of, yaw_of
 from rai_missions.worlds.desk.scene import CAMERAS
 
-__all__ = ("RayEye", "RayLook", "in_picture")
+__all__ = ("RayEye", "RayLook")
 
 SEEN_GROUPS = np.array([1, 1, 1, 0, 0, 0], np.uint8)
 FARTHEST_M = 3.0

@@ -18,18 +18,7 @@ from rai_missions.image import png
 from rai_missions.worlds.desk import catalogue
 from rai_missions.worlds.desk.scene_file import DeskObject
 
-__all__ = (
-    "CAMERAS",
-    "FRONT_FOVY_DEG",
-    "NO_ARM",
-    "TIMESTEP_S",
-    "Fragment",
-    "build",
-    "object_name",
-    "put",
-    "put_free",
-    "settle",
-)
+__all__ = ("CAMERAS", "FRONT_FOVY_DEG", "TIMESTEP_S", "Fragment", "build", "object_name", "put", "put_free", "settle")
 
 TIMESTEP_S = 0.002
 CAMERAS = ("front", "top")

@@ -18,10 +18,7 @@ from rai_missions.worlds.house.speech import FROM_HUMAN, HRI_MESSAGE
 from rai_missions.worlds.perception.finder import FinderConfig
 from rai_missions.worlds.perception.projection import Mount
 
-__all__ = (
-    "ASK_FOR_HELP", "CAMERA", "CMD_VEL", "DEPTH", "FINDER", "LENS", "SEEN", "TOPICS", "laser_scan", "located",
-    "odometry",
-)  # fmt: skip
+__all__ = ("ASK_FOR_HELP", "CMD_VEL", "FINDER", "SEEN", "TOPICS", "laser_scan", "located", "odometry")
 
 CAMERA = "camera/color/image_raw"
 DEPTH, LENS = "camera/depth/image_raw", "camera/color/camera_info"

@@ -20,7 +20,7 @@ from rai_missions.worlds.house.planner import plan
 from rai_missions.worlds.house.recovery import Recovery, sort_of
 from rai_missions.worlds.house.rosbot import FASTEST_MPS, RobotPose
 
-__all__ = ("NO_PROGRESS", "NO_WAY", "Navigator")
+__all__ = ("Navigator",)
 
 NO_WAY, NO_PROGRESS = 308, 105
 """NO_VALID_PATH of nav2_msgs/action/ComputePathToPose, and FAILED_TO_MAKE_PROGRESS of FollowPath."""

@@ -10,7 +10,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-__all__ = ("EXTENT", "Extents")
+__all__ = ("Extents",)
 
 EXTENT: Mapping[Any, Callable[[Any, Any], float]] = {
     mujoco.mjtGeom.mjGEOM_SPHERE: lambda size, axes: size[0],
