@@ -82,7 +82,7 @@ def unreachable_states(index: MissionIndex) -> Found:
     """Every state is entered: by a transition, an `initial`, a history, as a region, or by `on_cancel`."""
     active = reached(index)
     lost = {
-        spot: [*_subtree(index, spot)]
+        spot: index.spots[spot.index : spot.last + 1]
         for spot in index.spots
         if spot not in active and (spot.parent is None or spot.parent in active) and _own_fault(index, spot)
     }
@@ -103,10 +103,6 @@ def _own_fault(index: MissionIndex, spot: StateRef) -> bool:
     """Whether no other finding explains why it is not reached."""
     homeless = spot.parent is None or isinstance(spot.parent.state, Parallel)
     return index.by_name[spot.name] is spot and not (homeless and isinstance(spot.state, History))
-
-
-def _subtree(index: MissionIndex, spot: StateRef) -> list[StateRef]:
-    return index.spots[spot.index : spot.last + 1]
 
 
 def _targets(index: MissionIndex, inside: list[StateRef], whole: StateRef) -> Iterator[StateRef]:

@@ -26,6 +26,7 @@ __all__ = (
     "ProfileFile",
     "RobotFile",
     "command",
+    "read_speed",
 )
 
 PAGE_PORT = "8765"
@@ -248,6 +249,17 @@ def _number(kind: type[int | float], text: str) -> float:
     if math.isnan(number):
         raise argparse.ArgumentTypeError(f"{text!r} is no {NUMBERS[kind]}")
     return number
+
+
+def read_speed(text: str) -> float:
+    """Simulated seconds to one of the wall: a positive number, or infinity for `max`."""
+    try:
+        found = math.inf if text == "max" else float(text)
+    except ValueError:
+        found = math.nan
+    if not found > 0 or (math.isinf(found) and text != "max"):
+        raise argparse.ArgumentTypeError(f"'{text}' is no speed; give a positive number such as 5, or max")
+    return found
 
 
 def _named(kind: Any) -> Callable[[str], Any]:

@@ -34,11 +34,6 @@ def connector_offer(kind: str) -> PackageOffer | None:
     return None if kind in IN_PROCESS else offered(GROUP, kind, CONNECTORS)
 
 
-def connector_names() -> tuple[str, ...]:
-    """The kinds that a profile may name."""
-    return known_names(GROUP, ("local", *CONNECTORS))
-
-
 def check_connector(kind: str) -> PackageOffer | None:
     """Who opens connectors of a kind; None for those of `IN_PROCESS`.
 
@@ -47,7 +42,7 @@ def check_connector(kind: str) -> PackageOffer | None:
     """
     offer = connector_offer(kind)
     if offer is None and kind not in IN_PROCESS:
-        raise UsageError(f"no connector of kind '{kind}'{suggestion(kind, connector_names())}")
+        raise UsageError(f"no connector of kind '{kind}'{suggestion(kind, known_names(GROUP, ('local', *CONNECTORS)))}")
     return offer
 
 

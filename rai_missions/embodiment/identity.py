@@ -92,7 +92,8 @@ class Identity:
             files.fault(DESCRIPTION, "is missing; write in it who the robot is")
         if files.faults:
             raise DefinitionError(files.faults, str(folder))
-        images = tuple(pictures[name] for name in sorted(pictures, key=_portrait_first))
+        names = sorted(pictures, key=lambda name: (Path(name).stem.lower() != "portrait", name))
+        images = tuple(pictures[name] for name in names)
         return cls(texts[DESCRIPTION], images, next(iter(bodies.values()), None), Library(folder, index))
 
 
@@ -103,7 +104,3 @@ def _description(_name: str, data: bytes) -> str:
     if not text.strip():
         raise ValueError("is empty; write in it who the robot is")
     return redacted(text)
-
-
-def _portrait_first(name: str) -> tuple[bool, str]:
-    return Path(name).stem.lower() != "portrait", name

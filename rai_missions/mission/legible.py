@@ -208,11 +208,8 @@ class _Repair:
         else:
             holder[last] = neutral
             if _is_guard(steps):
-                self._replace_in_original(steps, neutral)
+                _inside(self._original, steps[:-1])[last] = neutral
         return True
-
-    def _replace_in_original(self, steps: Steps, neutral: Any) -> None:
-        _inside(self._original, steps[:-1])[steps[-1]] = neutral
 
     def _forget(self, steps: Steps, was: Any) -> None:
         """Remember what is not known any more."""

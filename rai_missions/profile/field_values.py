@@ -87,7 +87,8 @@ def misfit(there: Any, path: str, value: SentValue) -> str:
         return ""
     of_type = f" ({leaf})" if isinstance(leaf, str) else ""
     key = f" of type '{value.kind}'" if value.constant is None else ""
-    return f"takes {wanted} as '{path}'{of_type}, not {value.words}{key}{_remedy(leaf, value)}"
+    remedy = f"; {AS_POSE}" if value.kind == "pose" and isinstance(leaf, Mapping) else value.remedy
+    return f"takes {wanted} as '{path}'{of_type}, not {value.words}{key}{remedy}"
 
 
 def _wanted(leaf: Any, value: SentValue) -> str:
@@ -147,7 +148,3 @@ def _shortened(leaf: Mapping[str, Any]) -> Iterator[str]:
     yield from list(leaf)[:4]
     if len(leaf) > 4:
         yield "…"
-
-
-def _remedy(leaf: Any, value: SentValue) -> str:
-    return f"; {AS_POSE}" if value.kind == "pose" and isinstance(leaf, Mapping) else value.remedy

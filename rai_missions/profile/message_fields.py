@@ -10,7 +10,6 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rai_missions.errors import Fault, pointer
-from rai_missions.guards.guard import Guard
 from rai_missions.mission.mission import Mission
 from rai_missions.plain_data import at_path, is_number
 from rai_missions.profile.endpoints import listened
@@ -79,12 +78,8 @@ def _paths(source: Source | EventSource) -> Iterator[tuple[tuple[str, ...], str]
         if source.path:
             yield ("field",), source.path
     elif not source.json_:
-        for path in dict.fromkeys(_read_by(source.when)) if source.when is not None else ():
+        guards = source.when.walk() if source.when is not None else ()
+        for path in dict.fromkeys(path for guard in guards for path in guard.paths()):
             yield ("when",), path
         for name, path in source.fields.items():
             yield ("fields", name), path
-
-
-def _read_by(guard: Guard) -> Iterator[str]:
-    for each in guard.walk():
-        yield from each.paths()

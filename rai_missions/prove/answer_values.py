@@ -71,7 +71,8 @@ class AnswerValues:
 
         def choose(name: str) -> Any:
             values = self.of(schema, name)
-            return pick((None, *values) if names[name] and self.is_looked_at(name) else values)
+            is_looked_at = name in self._keys or name in self._values.fields("answer")
+            return pick((None, *values) if names[name] and is_looked_at else values)
 
         needed = {name: self.of(schema, name)[0] for name, can_lack in names.items() if not can_lack}
         made = Parameters(tuple(names), choose, needed)
@@ -92,10 +93,6 @@ class AnswerValues:
         learned, any_is_written = self._values.learned, listed_parameters(schema) is None
         written = {name for name, key in self._keys.items() if key.source == "answer" and any_is_written}
         return {*self._values.fields("answer"), *(written & (learned.compared | learned.gone_over))}
-
-    def is_looked_at(self, name: str) -> bool:
-        """Whether it makes a difference that it is left out."""
-        return name in self._keys or name in self._values.fields("answer")
 
     def of(self, schema: Schema, name: str) -> list[Any]:
         """The values of a parameter, one at the least."""

@@ -86,7 +86,9 @@ class Comparisons:
         for effect in writes_in(mission):
             self._learn_write(effect)
         self._learn_sent(mission)
-        self._learn_raises(mission)
+        for raised in parts(mission, Raise):
+            for field, value in raised.data.items():
+                self._learn_raised(f"event.{field}", value)
         for name, key in self.keys.items():
             if key.initial is not None and key.source == "mission":
                 self._constant(name, key.initial)
@@ -173,13 +175,8 @@ class Comparisons:
         sent += [each.request for kind in (CallFields, Call) for each in parts(mission, kind)]
         self.fresh |= {path for path in references(sent) if path.partition(".")[0] in self.keys and "." in path}
 
-    def _learn_raises(self, mission: Mission) -> None:
-        """What a raised event brings is compared for the key that it was taken from, or is as it was written."""
-        for raised in parts(mission, Raise):
-            for field, value in raised.data.items():
-                self._learn_raised(f"event.{field}", value)
-
     def _learn_raised(self, path: str, value: Any) -> None:
+        """What a raised event brings is compared for the key that it was taken from, or is as it was written."""
         found = list(references(value))
         for each in found if path in self.atoms else ():
             self._join(path, each)

@@ -196,7 +196,8 @@ class Values:
             for pose in found:
                 yield from self._looked_into(path, looked, pose)
         else:
-            yield from _distinct(found, bases, radii) if self._is_of_written(path) else found
+            is_of_written = set(self._others(path)) == {"mission"}  # compared with constants alone
+            yield from _distinct(found, bases, radii) if is_of_written else found
 
     def _looked_into(self, path: str, looked: list[str], pose: Mapping[str, Any]) -> Iterator[Any]:
         """A pose with each mixture of the fields that guards look at one by one; it has an x and a y."""
@@ -210,10 +211,6 @@ class Values:
         for mixture in product(*choices):
             fields = {**pose, **dict(zip(looked, mixture, strict=True))}
             yield {name: value for name, value in fields.items() if value is not None}
-
-    def _is_of_written(self, path: str) -> bool:
-        """It is compared with poses that the mission writes alone: with constants."""
-        return set(self._others(path)) == {"mission"}
 
     def _is_met(self, path: str) -> bool:
         """It is compared with one pose, which the robot reports: that one can be near it or far, wherever it is."""

@@ -96,19 +96,20 @@ class StateCodec:
             "events": self._events_key,
             "memory": self._memory_key,
             "deadline": lambda until: until == math.inf,
-            "deadlines": _deadlines_key,
+            "deadlines": lambda found: [(name, until == math.inf) for name, until in sorted(found.items())],
             "settling": list,
             "controls": sorted,
             "invariants": sorted,
-            "timers": _timers_key,
+            "timers": lambda timers: sorted([timer_key(key, timer) for key, timer in timers.items()]),
             "rounds": sorted,
             "lists": self._lists_key,
-            "activities": _activities_key,
+            # in the order in which they are informed of things
+            "activities": lambda running: [(name, key_of(activity)) for name, activity in running.items()],
             "calls": lambda calls: sorted(calls.values()),
             "goals": _pursued_key,
             "board": self._board_key,
             "ages": self._ages_key,
-            "since": _since_key,
+            "since": lambda held: [(memory, since == NOW) for memory, since in sorted(held.items())],
             "payload": lambda payload: sorted(payload.items()),
         }
         keyed = [(each.name, keys_by_kind[each.holds]) for each in TABLE if each.holds in keys_by_kind]
@@ -337,19 +338,6 @@ def _kept(lists: frozenset[str], later: Later | None, key: str, entry: Any) -> A
     return Stamped(later.of(key, entry[0]), entry[1])
 
 
-def _deadlines_key(deadlines: Mapping[str, float]) -> Any:
-    return [(name, until == math.inf) for name, until in sorted(deadlines.items())]
-
-
-def _timers_key(timers: Mapping[Any, Any]) -> Any:
-    return sorted([timer_key(key, timer) for key, timer in timers.items()])
-
-
-def _activities_key(running: Mapping[str, Any]) -> Any:
-    """In the order in which they are informed of things."""
-    return [(name, key_of(activity)) for name, activity in running.items()]
-
-
 def _pursued_key(goals: Mapping[int, Goal]) -> Any:
     return sorted([(goal.owner, goal.action, goal.phase) for goal in goals.values() if goal.phase in PURSUED])
 
@@ -362,10 +350,6 @@ def _own_key(keys: tuple[str, ...], idle: frozenset[str], later: Later, store: S
 def _rivals_key(rivals: Rivals, store: Store) -> Any:
     """What makes a difference of goals that nothing pursues."""
     return sorted([rest for goal in store.goals if (rest := rivals(goal)) is not None])
-
-
-def _since_key(held: Mapping[str, float]) -> Any:
-    return [(memory, since == NOW) for memory, since in sorted(held.items())]
 
 
 def _counting(activity: Any, loop: Loop, ended: int | None) -> Any:

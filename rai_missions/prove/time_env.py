@@ -162,9 +162,14 @@ class TimeEnvironment:
             yield Stimulus(words, "time", self.elapse(self._ring(key)), timer=(key, timer.order), event=raised)
         for name, until in sorted(self._state.pending.items()):
             if until != math.inf:
-                yield Stimulus(f"no handover for '{name}' in time", "time", self.elapse(self._late(name)), owner=name)
+                yield Stimulus(
+                    f"no handover for '{name}' in time",
+                    "time",
+                    self._dated("pending", name, NOW),
+                    owner=name,
+                )
         for name in self._settling_now():
-            yield Stimulus(f"'{name}' has not settled", "time", self.elapse(self._unsettled(name)), owner=name)
+            yield Stimulus(f"'{name}' has not settled", "time", self._dated("settling", name, NOW), owner=name)
         if self._state.final is not None and not self._state.settling:
             yield Stimulus("time passes at the end", "time", self.elapse(lambda: None))
         if self._state.cancel_by != math.inf:
@@ -199,7 +204,7 @@ class TimeEnvironment:
             keeper = self._chart.program.graph.keepers[memory]
             if since == NOW and keeper.control not in self._state.frozen:
                 words = f"the guard of {memory.partition('#')[0]} has held for long enough"
-                yield Stimulus(words, "time", self.elapse(self._mature(memory)), owner=keeper.name)
+                yield Stimulus(words, "time", self._dated("held", memory, LONG_AGO), owner=keeper.name)
 
     def machine_times(self) -> Iterator[Stimulus]:
         for name, path, state in list(self._inputs.inner()):
@@ -263,11 +268,9 @@ class TimeEnvironment:
 
         return change
 
-    def _late(self, name: str) -> Callable[[], None]:
-        return lambda: self._state.pending.update({name: NOW})
-
-    def _unsettled(self, name: str) -> Callable[[], None]:
-        return lambda: self._state.settling.update({name: NOW})
+    def _dated(self, field: str, name: str, at: float) -> Callable[[], None]:
+        """Time passes until what waits there, or has been so since then, has another instant."""
+        return self.elapse(lambda: getattr(self._state, field).update({name: at}))
 
     def _too_long(self) -> None:
         self._chart.state.cancel_by = NOW
@@ -283,9 +286,6 @@ class TimeEnvironment:
         age = self._codec.next_age(name)
         assert age is not None
         return lambda: self._codec.grow_old(name, age)
-
-    def _mature(self, memory: str) -> Callable[[], None]:
-        return lambda: self._state.held.update({memory: LONG_AGO})
 
     def _leaf_over(self, name: str, path: str) -> Callable[[], None]:
         def change() -> None:

@@ -80,11 +80,6 @@ def world_offer(name: str) -> PackageOffer | None:
     return offered(GROUP, name, WORLDS)
 
 
-def world_names() -> tuple[str, ...]:
-    """The worlds that may be named."""
-    return known_names(GROUP, WORLDS)
-
-
 def check_world(name: str) -> PackageOffer:
     """Who has the world of a name.
 
@@ -93,7 +88,7 @@ def check_world(name: str) -> PackageOffer:
     """
     offer = world_offer(name)
     if offer is None:
-        raise UsageError(f"there is no world {name!r}{suggestion(name, world_names())}")
+        raise UsageError(f"there is no world {name!r}{suggestion(name, known_names(GROUP, WORLDS))}")
     return offer
 
 

@@ -66,7 +66,7 @@ def test_a_pace_is_a_number_above_zero_or_max(pace: str, capsys: pytest.CaptureF
     with pytest.raises(SystemExit) as end:
         main(["world", "orchard", "--ros", f"--speed={pace}"])
     assert end.value.code == 2
-    assert f"{pace!r} is no pace: give 1, another number above 0, or max" in capsys.readouterr().err
+    assert f"{pace!r} is no speed; give a positive number such as 5, or max" in capsys.readouterr().err
 
 
 def test_without_rclpy_one_sentence_states_how_to_get_it(

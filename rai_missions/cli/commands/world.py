@@ -3,23 +3,11 @@
 
 from __future__ import annotations
 
-import argparse
 from typing import Annotated
 
-from rai_missions.cli.command import Argument, command
+from rai_missions.cli.command import Argument, command, read_speed
 
 __all__ = ("world",)
-
-
-def _speed(text: str) -> float:
-    """Simulated seconds to one of the wall."""
-    try:
-        speed = float("inf" if text == "max" else text)
-    except ValueError:
-        speed = 0.0
-    if not speed > 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is no pace: give 1, another number above 0, or max")
-    return speed
 
 
 @command()
@@ -29,7 +17,7 @@ def world(
     ros: bool = False,
     domain: Annotated[int | None, Argument("N")] = None,
     seed: Annotated[int | None, Argument("N")] = None,
-    speed: Annotated[float, Argument("1|N|max", parse=_speed)] = 1.0,
+    speed: Annotated[float, Argument("1|N|max", parse=read_speed)] = 1.0,
     option: tuple[Annotated[str, Argument("KEY=VALUE")], ...] = (),
     no_camera: bool = False,
 ) -> int:

@@ -33,15 +33,10 @@ def copies(environment: Mapping[str, str], home: Path | None = None) -> Iterator
 def _finding(package: str, found: list[Path]) -> MachineFinding:
     what = f"{package} is there {len(found)} times: {', '.join(map(str, found))}"
     pairs = combinations([_definitions(each / "share" / package) for each in found], 2)
-    if not any(_differ(one, other) for one, other in pairs):
+    if all(one[name] == other[name] for one, other in pairs for name in one.keys() & other.keys()):
         return MachineFinding("ok", f"{what}; what they share is the same")
     ours = f"share/rai_missions_interfaces/{package}.files lists what make ros-interfaces installed"
     return MachineFinding("missing", f"{what}, and their messages differ", f"keep one; {ours}")
-
-
-def _differ(one: Mapping[str, str], other: Mapping[str, str]) -> bool:
-    """Whether a message that both have is another one there; ours may be a part of its owner's package."""
-    return any(one[name] != other[name] for name in one.keys() & other.keys())
 
 
 def _definitions(share: Path) -> Mapping[str, str]:

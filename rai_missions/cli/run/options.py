@@ -3,30 +3,13 @@
 
 from __future__ import annotations
 
-import math
-from argparse import ArgumentTypeError
 from typing import Annotated, NamedTuple
 
-from rai_missions.cli.command import PAGE_PORT, Argument, GuardsFile, JournalFile, RobotFile
+from rai_missions.cli.command import PAGE_PORT, Argument, GuardsFile, JournalFile, RobotFile, read_speed
 
 __all__ = ("RunOptions",)
 
 MISSION = Argument("MISSION", files=("*.json", "*.py"), is_positional=True)
-
-
-def _speed(text: str) -> float:
-    """A positive number, or infinity for `max`.
-
-    Raises:
-        ArgumentTypeError: It is neither.
-    """
-    try:
-        speed = math.inf if text == "max" else float(text)
-    except ValueError:
-        speed = math.nan
-    if not speed > 0 or (math.isinf(speed) and text != "max"):
-        raise ArgumentTypeError(f"'{text}' is no speed; give a positive number such as 5, or max")
-    return speed
 
 
 class RunOptions(NamedTuple):
@@ -86,7 +69,7 @@ class RunOptions(NamedTuple):
     journal: Annotated[str | None, Argument("FILE", files=("*", "*.journal"))] = None
     record: Annotated[str | None, Argument("FILE.mcap", files=("*.mcap",))] = None
     picture: Annotated[str | None, Argument("FILE", files=("*",))] = None
-    speed: Annotated[float | None, Argument("N|max", parse=_speed)] = None
+    speed: Annotated[float | None, Argument("N|max", parse=read_speed)] = None
     seed: Annotated[int | None, Argument("N")] = None
     json: bool = False
     verbose: bool = False

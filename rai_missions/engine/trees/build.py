@@ -82,10 +82,6 @@ def _decision(at: TreePlace, node: tree.Decision, path: str, inside: Inside) -> 
     return leaves.CompiledDecision(frozenset(node.decision.options), dict(zip(node.then, inside, strict=True)))
 
 
-def _parallel(at: TreePlace, node: tree.Parallel, path: str, inside: Inside) -> CompiledNode:
-    return CompiledParallel(inside, node.policy, synchronise=node.synchronise)
-
-
 def _converter(at: TreePlace, node: tree.Decorator, path: str, inside: Inside) -> CompiledNode:
     return CompiledConverter(inside[0], REPORTS[node.word])
 
@@ -98,7 +94,7 @@ def _loop(at: TreePlace, node: tree.Decorator, path: str, inside: Inside) -> Com
 MAKERS: Mapping[type[tree.TreeNode], Maker] = {
     tree.Sequence: lambda at, node, path, inside: CompiledSequence(inside, memory=node.memory),
     tree.Selector: lambda at, node, path, inside: CompiledSelector(inside, memory=node.memory),
-    tree.Parallel: _parallel,
+    tree.Parallel: lambda at, node, path, inside: CompiledParallel(inside, node.policy, synchronise=node.synchronise),
     tree.Inverter: _converter,
     tree.FailureIsSuccess: _converter,
     tree.SuccessIsFailure: _converter,

@@ -174,7 +174,8 @@ class Autonomy:
         after = self._follower.move
         if before is not None and before is not after:
             self._here = before.end
-            if before.alley is not None and before.ahead > 0 and abs(self._mouth_distance(before)) < 1.0:
+            mouth_m = self._lattice.position(before.end)[0]
+            if before.alley is not None and before.ahead > 0 and abs(self.pose.x - mouth_m) < 1.0:
                 self._undone.discard(before.alley)
                 self._blocked.discard(before.alley)
         if self._accepted is not None and self._is_beyond(self._accepted):
@@ -186,9 +187,6 @@ class Autonomy:
 
     def _nears_an_end(self, move: PathSegment) -> bool:
         return move.alley is not None and move.ahead > 0 and self._follower.left_m < ENTERED_M
-
-    def _mouth_distance(self, move: PathSegment) -> float:
-        return self.pose.x - self._lattice.position(move.end)[0]
 
     def _plan_next(self) -> None:
         """Continue to the nearest alley that is left: first those not tried yet."""

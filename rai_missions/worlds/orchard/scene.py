@@ -47,7 +47,8 @@ def build(
     bodies = f"""{_trees(layout)}
  {"".join(_obstacle(number, obstacle, layout) for number, obstacle in enumerate(obstacles))}
  {tractor.body(*layout.home)}"""
-    meshes = _named_meshes(bodies) + _sized_meshes(obstacles)
+    sized = (figures.figure_assets(one.kind, f"obstacle_{n}", one.size) for n, one in enumerate(obstacles))
+    meshes = _named_meshes(bodies) + "".join(sized)
     xml = f"""<mujoco model="orchard"><compiler angle="degree"/>
 <option timestep="{TIMESTEP_S}" integrator="implicitfast" cone="elliptic" impratio="3"/>
 <visual><global offwidth="1280" offheight="960"/>
@@ -95,13 +96,10 @@ def _obstacle(number: int, obstacle: Obstacle, layout: Layout) -> str:
     )
 
 
-def _sized_meshes(obstacles: Sequence[Obstacle]) -> str:
-    return "".join(figures.figure_assets(one.kind, f"obstacle_{n}", one.size) for n, one in enumerate(obstacles))
-
-
 def _materials(air: Conditions) -> str:
     surfaces = "".join(
-        f'<texture name="{name}" type="2d" builtin="flat" colorspace="linear" {_square(textures.SURFACES[name].size)}/>'
+        f'<texture name="{name}" type="2d" builtin="flat" colorspace="linear" '
+        f'width="{textures.SURFACES[name].size}" height="{textures.SURFACES[name].size}"/>'
         f'<material name="{name}" texture="{name}" specular="{shine}" shininess=".1" {repeat}/>'
         for name, shine, repeat in (
             ("grass", 0, 'texrepeat="60 60"'),
@@ -116,10 +114,6 @@ def _materials(air: Conditions) -> str:
         + surfaces
         + '<material name="paint" rgba=".06 .42 .15 1" specular=".6" shininess=".7"/>'
     )
-
-
-def _square(size: int) -> str:
-    return f'width="{size}" height="{size}"'
 
 
 def _named_meshes(bodies: str) -> str:

@@ -168,7 +168,7 @@ class Orchard(Simulation):
     def _services(self) -> Mapping[str, Answer]:
         return {
             "continue": self._continue,
-            "current_state": self._current_state,
+            "current_state": lambda _: messages.trigger(True, interface.STATE_MESSAGES[self.autonomy.word]),
             "drive_over": self._drive_over,
             "flash": self._flash,
             "go_home": self._go_home,
@@ -297,9 +297,6 @@ class Orchard(Simulation):
     def _go_home(self, _request: Any) -> dict[str, Any]:
         why = self._home.set_out(*self.layout.home[:2])
         return messages.trigger(not why, why or "The vehicle drives home")
-
-    def _current_state(self, _request: Any) -> dict[str, Any]:
-        return messages.trigger(True, interface.STATE_MESSAGES[self.autonomy.word])
 
     def _flash(self, _request: Any) -> dict[str, Any]:
         self._walkers.signal(self.pose[:2])
