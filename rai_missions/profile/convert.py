@@ -21,15 +21,17 @@ __all__ = ("image_of", "json_of", "plain", "pose_message", "pose_of")
 LONGEST_TEXT = 1_000_000
 """Characters of JSON that are read from one message."""
 DEEPEST = 60
+BYTES = (bytes, bytearray, memoryview)
 
 
 def plain(value: Any, depth: int = 0) -> Any:
     """A message as data that a journal holds: lists for sequences, None for a number not to be reckoned with.
 
-    That is one that is not finite, or an integer beyond all floating-point numbers.
+    That is one that is not finite, or an integer beyond all floating-point numbers. A field that is bytes, as an id or
+    a map's cells, is left out.
 
     Raises:
-        ConnectorError: Bytes that are no picture, a name that is no text, nesting deeper than 60, another type.
+        ConnectorError: Bytes outside of a field, a name that is no text, nesting deeper than 60, another type.
     """
     kind = type(value)
     if kind is float:
@@ -50,7 +52,9 @@ def plain(value: Any, depth: int = 0) -> Any:
             raise ConnectorError(
                 f"the fields of a message have names of text, not {cut(sorted(map(repr, value))[0], 60)}"
             )
-        return {str.__str__(name): plain(item, depth + 1) for name, item in value.items()}
+        return {
+            str.__str__(name): plain(item, depth + 1) for name, item in value.items() if not isinstance(item, BYTES)
+        }
     if isinstance(value, list | tuple):
         return [*value] if are_finite(value) else [plain(item, depth + 1) for item in value]
     if hasattr(value, "tolist"):  # numpy's arrays and numbers, without knowing numpy
@@ -147,7 +151,7 @@ def image_of(message: Any, ref: str) -> Image:
             data = bytes(data)
         except (ValueError, TypeError):
             data = None
-    if not isinstance(data, bytes | bytearray | memoryview):
+    if not isinstance(data, BYTES):
         raise ConnectorError(f"{cut_repr(message, 60)} is given where a picture belongs: its 'data' is no bytes")
     raw, format_name = bytes(data), message.get("format")
     if isinstance(format_name, str):

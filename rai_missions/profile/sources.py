@@ -194,9 +194,7 @@ class EventSource(SourceFields):
         content = self._content(message)
         if self.fields:
             return {name: plain(at_path(content, path)) for name, path in self.fields.items()}
-        return cast(
-            "dict[str, Any]", plain({name: item for name, item in content.items() if not isinstance(item, bytes)})
-        )
+        return cast("dict[str, Any]", plain(content))
 
     def _content(self, message: Mapping[str, Any]) -> Mapping[str, Any]:
         content = json_of(message.get("data")) if self.json_ else message

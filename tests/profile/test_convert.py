@@ -171,9 +171,16 @@ def test_words_of_enumerations_and_of_numpy_become_text() -> None:
     assert {type(text) for text in (*made, *made["left"])} == {str}
 
 
-def test_bytes_are_no_plain_data() -> None:
+@pytest.mark.parametrize("given", [b"x", [b"x"]])
+def test_bytes_are_no_plain_data(given: Any) -> None:
     with pytest.raises(ConnectorError, match=r"b'x' \(bytes\) is no plain data; name the 'field' that is meant"):
-        plain({"data": b"x"})
+        plain(given)
+
+
+@pytest.mark.parametrize("unheld", [b"x", bytearray(b"x"), memoryview(b"x")])
+def test_a_field_of_bytes_is_left_out_of_what_a_journal_holds(unheld: Any) -> None:
+    message = {"data": unheld, "size": 3, "goals": [{"id": {"uuid": unheld}, "stamp": 2}]}
+    assert plain(message) == {"size": 3, "goals": [{"id": {}, "stamp": 2}]}
 
 
 @pytest.mark.parametrize(

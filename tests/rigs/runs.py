@@ -295,6 +295,8 @@ class Rig:
         self.connector: Any = words.pop("connector", None) or LocalConnector(now=lambda: self.clock.now())
         self.move, self.turn = ManualServer("accepted"), ManualServer("accepted")
         self.called: list[tuple[float, str]] = []
+        self.answer: Json = {"success": True, "message": ""}
+        """What each service replies."""
         self.steps: list[Step] = []
         self.on_step: Callable[[Step], object] = words.pop("on_step", self.steps.append)
         self.book: Any = words.pop("journal", None) or MemoryJournal()
@@ -318,7 +320,7 @@ class Rig:
 
     def _answer(self, service: str) -> Json:
         self.called.append((self.clock.now(), service))
-        return {"success": True, "message": ""}
+        return self.answer
 
     def run(self) -> Result:
         return self.runner.run()

@@ -15,7 +15,7 @@ from rai_missions.errors import UsageError
 from rai_missions.profile import Robot
 from rai_missions.runtime.robot_listener import RobotListener
 from rai_missions.runtime.scheduler import Scheduler
-from tests.rigs.runs import Mailbox, ManualClock, Rig, robot
+from tests.rigs.runs import KEYS, Mailbox, ManualClock, Rig, mission, robot
 
 LIT: Any = {
     "waiting": {"transitions": [{"on": "go", "to": "over", "do": [{"publish": "lamp", "message": {"data": True}}]}]},
@@ -30,6 +30,36 @@ def test_a_message_is_published_where_the_profile_names_its_topic() -> None:
     rig.stage.play({1.0: lambda: rig.post("go")})
     rig.run()
     assert [message.data for message in seen] == [{"data": True}]
+
+
+def test_bytes_in_what_a_robot_sends_keep_neither_event_nor_result_from_the_mission() -> None:
+    states = {
+        "asking": {"call": "horn", "result": {"count": "size"}, "transitions": [{"on": "succeeded", "to": "moving"}]},
+        "moving": {
+            "action": "move", "result": {"speed": "best.speed"}, "transitions": [{"on": "succeeded", "to": "alert"}]
+        },
+        "alert": {"transitions": [{"on": "go", "to": "over"}]},
+        "over": {"final": "aborted"},
+    }  # fmt: skip
+    keys = {**KEYS, "speed": {"type": "number", "source": "mission", "initial": 0.0}}
+    events = {"go": {"topic": "/alarm", "type": "x/msg/Alarm"}, **{n: {"posted": True} for n in ("again", "stop_now")}}
+    rig = Rig(mission(states, blackboard=keys), robot=robot(events=events))
+    rig.answer = {"success": True, "message": "", "size": 3, "map": b"xyz"}
+    best = {"id": {"uuid": b"16"}, "speed": 1.5}
+    rig.stage.play(
+        {
+            1.0: lambda: rig.move.report("succeeded", best=best, map=b"x"),
+            2.0: lambda: rig.connector.publish("/alarm", "x/msg/Alarm", {"who": {"uuid": b"16"}, "level": 2}),
+            3.0: rig.runner.kill,
+        }
+    )
+    rig.run()
+    assert rig.entered[-1] == "over"
+    assert [write for step in rig.steps for write in step.writes if write[0] in ("count", "speed")][-2:] == [
+        ("count", 3),
+        ("speed", 1.5),
+    ]
+    assert rig.steps[-1].event.data == {"who": {}, "level": 2}
 
 
 def test_control_that_the_robot_tracks_goes_to_no_one_whom_the_profile_does_not_name() -> None:
