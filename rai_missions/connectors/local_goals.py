@@ -91,8 +91,7 @@ class LocalGoal:
             self._server.accept(self.goal_id, goal, self.on_report)
         except Exception as fault:
             log.exception("%s could not take goal %s", self.action, self.goal_id)
-            end = "failed" if self._is_accepted else "rejected"
-            self.on_report(Report(self.goal_id, end, {}, f"{type(fault).__name__}: {fault}"))  # type: ignore[arg-type]
+            self.on_report(Report(self.goal_id, "rejected", {}, f"{type(fault).__name__}: {fault}"))
 
     def _want_no_more(self) -> None:
         if not self._is_over and self._is_accepted:
@@ -113,8 +112,10 @@ class LocalGoal:
             self.end = report
             self._report(Report(self.goal_id, "over", {}, f"its server reports that it has ended: {report.status}"))
             return
-        if self._is_over or report.goal_id != self.goal_id or (report.status == "accepted" and self._is_accepted):
+        if self._is_over or report.goal_id != self.goal_id or self._is_out_of_place(report.status):
             return
+        if report.status == "rejected" and self._is_accepted:
+            report = report._replace(status="failed")
         if not self._is_accepted and report.status not in ("accepted", "rejected", "lost"):
             self._pass_on(Report(self.goal_id, "accepted", {}))
         self._is_accepted = self._is_accepted or report.status == "accepted"
@@ -124,6 +125,10 @@ class LocalGoal:
         self._report(report)
         if report.status == "accepted" and self._is_unwanted:
             self._calls.post(self._cancel_now)
+
+    def _is_out_of_place(self, status: str) -> bool:
+        """A second acceptance, or the refusal of a cancel that no one asked for."""
+        return self._is_accepted if status == "accepted" else status == "cancel_rejected" and not self._is_unwanted
 
 
 def _discard(_report: Report) -> None:

@@ -186,6 +186,28 @@ def test_an_end_without_acceptance_is_preceded_by_one(connector: LocalConnector)
     assert reports == [Report("g", "accepted", {}), Report("g", "succeeded", {"x": 1})]
 
 
+def test_a_goal_that_was_accepted_fails_where_its_server_rejects_it_afterwards(connector: LocalConnector) -> None:
+    server = PatientServer()
+    reports: list[Report] = []
+    connector.offer("/a", "", server)
+    connector.send_goal("/a", "", {}, goal_id="g", on_report=reports.append)
+    server.send("g", "accepted")
+    server.send("g", "rejected")
+    assert [report.status for report in reports] == ["accepted", "failed"]
+
+
+def test_the_refusal_of_a_cancel_that_no_one_asked_for_is_dropped(connector: LocalConnector) -> None:
+    server = PatientServer()
+    reports: list[Report] = []
+    connector.offer("/a", "", server)
+    connector.send_goal("/a", "", {}, goal_id="g", on_report=reports.append)
+    server.send("g", "accepted")
+    server.send("g", "cancel_rejected")
+    connector.cancel_goal("g")
+    server.send("g", "cancel_rejected")
+    assert [report.status for report in reports] == ["accepted", "cancel_rejected"]
+
+
 def test_a_report_under_another_goals_id_is_dropped(connector: LocalConnector) -> None:
     server = PatientServer()
     reports: list[Report] = []

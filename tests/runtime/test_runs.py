@@ -77,7 +77,7 @@ def test_an_action_succeeds_only_as_its_server_and_the_facts_state() -> None:
         ("failed", "'lost' was reached"),
         ("lost", "'lost' was reached"),
         ("canceled", "moving: canceled"),
-        ("rejected", "moving: rejected"),
+        ("rejected", "'lost' was reached"),
     ],
 )
 def test_an_action_that_does_not_succeed_is_no_success(message: str, why: str) -> None:
