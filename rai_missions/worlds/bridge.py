@@ -22,6 +22,7 @@ from rai_missions.connectors.connector import (
 from rai_missions.connectors.wrapper import ConnectorWrapper
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import cut, logger
+from rai_missions.worlds.messages import stamp
 from rai_missions.worlds.world import World
 
 __all__ = ("CLOCK", "PublishedWorld", "TrackedConnector", "taken_names")
@@ -177,5 +178,4 @@ class PublishedWorld:
         self._steps += 1
         if self._steps % FLUSH == 0:
             self._connector.listed("topics")  # answered after all that was asked before
-        whole, nanoseconds = divmod(round(self._world.at * 1e9), 10**9)
-        self._connector.publish(CLOCK, CLOCK_TYPE, {"clock": {"sec": whole, "nanosec": nanoseconds}})
+        self._connector.publish(CLOCK, CLOCK_TYPE, {"clock": stamp(self._world.at)})

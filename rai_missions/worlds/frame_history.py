@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from rai_missions.connectors.stamps import stamp_of
 from rai_missions.image import Image
 from rai_missions.worlds import messages
 from rai_missions.worlds.camera import Camera, Frame, Moment
@@ -70,10 +71,10 @@ class FrameHistory:
         Args:
             picture: A sensor_msgs/msg/Image; its stamp counts.
         """
-        stamp = ((picture or {}).get("header") or {}).get("stamp") if isinstance(picture, Mapping) else None
-        if not isinstance(stamp, Mapping):
+        stamp = stamp_of(picture) if isinstance(picture, Mapping) else None
+        if stamp is None:
             return None
-        moment_ms = _milliseconds(float(stamp.get("sec", 0)) + float(stamp.get("nanosec", 0)) / 1e9)
+        moment_ms = _milliseconds(stamp)
         with self._lock:
             moment = self._moments.get(moment_ms)
         return None if moment is None else (moment_ms, self._frame(moment_ms, moment))

@@ -27,7 +27,7 @@ OPTIONAL = {
 }
 
 
-def speech(environment: Mapping[str, str] | None = None) -> Iterator[MachineFinding]:
+def speech() -> Iterator[MachineFinding]:
     """Open everything that listens and speaks, each in a process of its own, and list the devices."""
     for sort, name, options, what in LISTENERS:
         why = why_absent(sort, name, options)
@@ -44,7 +44,7 @@ def speech(environment: Mapping[str, str] | None = None) -> Iterator[MachineFind
             yield MachineFinding("ok", f"voice {name}")
     for name, more in OPTIONAL.items():
         yield MachineFinding("absent", f"voice {name}", f"{install_command(f'voice-{name}')} {more}")
-    yield from _devices(os.environ if environment is None else environment)
+    yield from _devices()
 
 
 def why_absent(sort: SpeechSort, name: str, options: Mapping[str, str]) -> str:
@@ -59,8 +59,8 @@ def why_absent(sort: SpeechSort, name: str, options: Mapping[str, str]) -> str:
         process.close()
 
 
-def _devices(environment: Mapping[str, str]) -> Iterator[MachineFinding]:
-    found = tried("sound_devices", None, environment)
+def _devices() -> Iterator[MachineFinding]:
+    found = tried("sound_devices", None, os.environ)
     if found.fault:
         yield MachineFinding("absent", "devices of sound", found.fault)
         return

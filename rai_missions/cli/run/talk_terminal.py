@@ -16,7 +16,7 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any, NamedTuple, TextIO
+from typing import Any, NamedTuple
 
 from rich.console import Console
 from rich.text import Text
@@ -59,15 +59,12 @@ class TalkLines(Lines):
 
     Args:
         mission: Whose run it is.
-        out: Where the lines go; None: standard output, whatever that is then.
         verbose: Steps that changed nothing too.
         colours: Whether it is a terminal.
     """
 
-    def __init__(
-        self, mission: Mission, out: TextIO | None = None, *, verbose: bool = False, colours: bool = True
-    ) -> None:
-        target: Any = out if out is not None else Out()
+    def __init__(self, mission: Mission, *, verbose: bool = False, colours: bool = True) -> None:
+        target: Any = Out()
         super().__init__(mission, target, verbose=verbose)
         self._console = Console(file=target, highlight=False, force_terminal=colours or None, width=None)
         self._mine = threading.Lock()

@@ -8,7 +8,7 @@ import json
 import signal
 import sys
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -54,11 +54,11 @@ def read_config(path: str) -> FinderConfig:
         raise UsageError(f"{path}: mount takes {', '.join(Mount._fields)}, not {mount!r}") from fault
 
 
-def main(words: Sequence[str] | None = None) -> int:
+def main() -> int:
     """Run until a signal; the exit status."""
     reader = argparse.ArgumentParser(prog="python -m rai_missions.worlds.perception", description=__doc__)
     reader.add_argument("--config", metavar="FILE", help="the robot's names, as JSON; left out: those of the house")
-    given = reader.parse_args(words)
+    given = reader.parse_args()
     try:
         config = read_config(given.config) if given.config else FinderConfig()
         return _run(config)

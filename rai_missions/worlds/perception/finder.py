@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from rai_missions.connectors.connector import Close, Connector, Message, Reply
+from rai_missions.connectors.stamps import stamp_of
 from rai_missions.errors import ConnectorError
 from rai_missions.redaction import cut, logger
 from rai_missions.worlds.perception.detections import CLASSIFY, classes_of, detections_of, request
@@ -250,9 +251,7 @@ def _sentence(fact: Mapping[str, Any]) -> str:
 
 def _stamp(message: Message) -> float:
     """What identifies the moment: the stamp in the header, or the receipt."""
-    stamp = (message.data.get("header") or {}).get("stamp") or {}
-    seconds = float(stamp.get("sec", 0)) + float(stamp.get("nanosec", 0)) / 1e9
-    return round(seconds or message.at, 4)
+    return round(stamp_of(message.data) or message.at, 4)
 
 
 def _pose(data: Mapping[str, Any]) -> Robot2D | None:
