@@ -10,6 +10,8 @@ import json
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import orjson
+
 from rai_missions.connectors.connector import Message, RawMessage
 from rai_missions.journal import Blob, Raw, decode
 from rai_missions.mission.mission import Mission
@@ -53,7 +55,7 @@ class MessageEncoder:
     def json(self, topic: str, schema: Schema, content: Any, when: When) -> None:
         """A message as JSON."""
         channel = self._file.channel(topic, "json", schema.name, "jsonschema", schema.text)
-        self._file.add(channel, json.dumps(content, separators=(",", ":")).encode(), when.wall, when.run)
+        self._file.add(channel, _text_of(content), when.wall, when.run)
 
     def raw(self, message: RawMessage, definition: str, when: When) -> None:
         """A message of ROS, byte for byte."""
@@ -79,7 +81,7 @@ class MessageEncoder:
         self.attach(blobs, when)
         self.json(JOURNAL_TOPIC, JOURNAL, {"row": number, "kind": kind, "content": content, "hash": digest}, when)
         if kind == "step":
-            step = step_of(decode(json.loads(content)["step"]))
+            step = step_of(decode(orjson.loads(content)["step"]))
             self.json(f"{TOPIC}steps", STEP, step, when)
             self.json(f"{TOPIC}log", LOG, log_of(step, self._mission.name, when.run), when)
 
@@ -93,3 +95,11 @@ class MessageEncoder:
     def lacks(self, number: int) -> bool:
         """A row has not been written."""
         return number not in self._rows
+
+
+def _text_of(content: Any) -> bytes:
+    """JSON; the library of Python writes what orjson refuses: a long integer, or half a surrogate pair."""
+    try:
+        return orjson.dumps(content)
+    except TypeError:
+        return json.dumps(content, separators=(",", ":")).encode()

@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rai_missions.connectors.connector import Reply, Report
+from rai_missions.connectors.connector import Report
 from rai_missions.engine.description import step_json, way_words
 from rai_missions.engine.step import Step
 from rai_missions.image import Image
@@ -89,15 +89,15 @@ def write_of(key: str, value: Any, at: float) -> Json:
     return words
 
 
-def call_of(service: str, request: Mapping[str, Any], reply: Reply, seconds: float) -> Json:
+def call_of(service: str, request: Mapping[str, Any], seconds: float, outcome: str, data: Any, why: str) -> Json:
     """A call of a service, with its request in a line of bounded length."""
     return {
         "service": service,
         "request": short(request),
         "seconds": seconds,
-        "outcome": reply.outcome,
-        "data": plain(reply.data),
-        "why": reply.why,
+        "outcome": outcome,
+        "data": plain(data),
+        "why": why,
     }
 
 

@@ -38,15 +38,13 @@ FLUSH_S = 1.0
 """How much a process that is killed may lose of its recording."""
 SPELL_S, REST_S = 0.002, 0.02
 """How long the thread writes at once, and how long it rests then."""
-LATE_S, LONG_REST_S = 0.002, 0.08
-"""Where the thread comes out of its rest so late, others are at work: it rests longer, and takes 2 % of the time. So it
-does where more comes than it writes: the rest is written afterwards either way."""
+LATE_S, LONG_REST_S = 0.002, 0.12
+"""Where the thread comes out of its rest so late, others are at work: it rests longer, and takes 1.5 % of the time. So
+it does where more comes than it writes: the rest is written afterwards either way."""
 GATHER_S = 0.05
 """How long the thread lets items gather before it begins."""
 PATIENCE_S = 60.0
 """How long the end waits for what is still to be written."""
-MESSAGE_BYTES = 500
-"""What a message as plain data is taken to weigh; no one measures it on the robot's thread."""
 MESSAGE, PICTURE, RAW, ROW, CALLED, REPORTED, WRITTEN, STATUS_NOW = range(8)
 """The numbers of the routes."""
 CALLS, GOALS, WRITES, STATUSES = (f"{TOPIC}{name}" for name in ("calls", "goals", "blackboard", "status"))
@@ -99,7 +97,7 @@ class Recording:
         self._began_ns = time.time_ns() - round(now() * 1e9)
         self._worker = Worker("recording", on_error=self._fail)
         self._closing = threading.Event()
-        self._why, self._size = "", 0
+        self._why, self._size, self._takes = "", 0, True
         self._cancel_flush: Callable[[], object] | None = None
         self._journal: Path | None = None
         self._file = File(target.stream, profile)
@@ -108,13 +106,9 @@ class Recording:
             (
                 Route("message", self._write_received),
                 Route("picture", self._write_received),
-                Route("message", lambda given, when: self._pen.raw(given[0], given[1], when)),
-                Route("row", lambda given, when: self._pen.row(given[0], given[1], when)),
-                self._json(
-                    CALLS,
-                    CALL,
-                    lambda service, request, seconds, *reply: call_of(service, request, Reply(*reply), seconds),
-                ),
+                Route("raw", lambda given, when: self._pen.raw(given[0], given[1], when)),
+                Route("row", lambda given, when: self._pen.row(given[:4], given[4], when)),
+                self._json(CALLS, CALL, call_of),
                 self._json(GOALS, GOAL, lambda action, *report: report_of(action, Report(*report))),
                 self._json(WRITES, BLACKBOARD, write_of),
                 self._json(STATUSES, STATUS, lambda status: status_of(status, mission)),
@@ -160,7 +154,7 @@ class Recording:
         image = image_in(message.data)
         given = (message, type_name)
         if image is None:
-            self._put(MESSAGE, message.topic, MESSAGE_BYTES, message.at, given)
+            self._put(MESSAGE, message.topic, 0, message.at, given)
         else:
             self._put(PICTURE, message.topic, image.width * image.height * 3, message.at, given)
 
@@ -170,27 +164,27 @@ class Recording:
 
     def called(self, service: str, request: Mapping[str, Any], reply: Reply, seconds: float) -> None:
         """A service has answered, or has not."""
-        given = (service, request, seconds, *reply)
-        self._put(CALLED, CALLS, MESSAGE_BYTES, None, packed(given) if image_in(reply.data) is None else given)
+        given = (service, request, seconds, reply.outcome, reply.data, reply.why)
+        self._put(CALLED, CALLS, 0, None, packed(given))
 
     def reported(self, action: str, report: Report) -> None:
         """An action's server has reported something of a goal."""
-        self._put(REPORTED, GOALS, MESSAGE_BYTES, None, packed((action, *report)))
+        self._put(REPORTED, GOALS, 0, None, packed((action, *report)))
 
     def row(self, raw: Raw, blobs: Iterable[Blob]) -> None:
         """The journal has got a row."""
         kept = tuple(blobs)
-        size = len(raw[2]) + sum(len(data) for _, _, data in kept)
-        self._put(ROW, JOURNAL_TOPIC, size, None, (raw, kept))
+        size = len(raw[2]) + (sum(len(data) for _, _, data in kept) if kept else 0)
+        self._put(ROW, JOURNAL_TOPIC, size, None, (*raw, kept))
 
     def step(self, step: Step) -> None:
         """A step was made: what it wrote on the blackboard, also where the journal waits for the next row."""
         for key, value in step.writes:
-            self._put(WRITTEN, WRITES, MESSAGE_BYTES, step.at, packed((key, without_bytes(value), step.at)))
+            self._put(WRITTEN, WRITES, 0, step.at, packed((key, without_bytes(value), step.at)))
 
     def status(self, status: Status) -> None:
         """The run's mode, control or states have changed."""
-        self._put(STATUS_NOW, STATUSES, MESSAGE_BYTES, None, (status,))
+        self._put(STATUS_NOW, STATUSES, 0, None, (status,))
 
     def close(self, journal: Path | None = None) -> Summary:
         """Write what waits, and the end; doing so twice changes nothing.
@@ -202,6 +196,7 @@ class Recording:
             atexit.unregister(self.close)
             self._journal = journal
             self._worker.post(self._finish)
+            self._takes = False
             self._closing.set()
             if not self._worker.close(PATIENCE_S):
                 self._give_up(f"its end was not written within {PATIENCE_S:g} s")
@@ -214,7 +209,7 @@ class Recording:
 
     def _put(self, route: int, name: str, size: int, at: float | None, given: Any) -> None:
         """Have something written, with its times."""
-        if self._why or self._closing.is_set():
+        if not self._takes:
             return
         run_s = self._now() if at is None else at
         if self._queue.put((route, size, time.time_ns(), run_s, name, given)):
@@ -315,7 +310,7 @@ class Recording:
         """The recording cannot continue: nothing more is taken, and what waits is let go. The run continues."""
         if self._why:
             return
-        self._why = why
+        self._why, self._takes = why, False
         self._queue.clear()
         log.warning("the recording %s stops, the mission continues: %s", self.path, why)
         with suppress(Exception):
