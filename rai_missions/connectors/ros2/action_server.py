@@ -72,9 +72,17 @@ class ServedAction:
     # -- what rclpy reports -------------------------------------------------------------------------------------------
 
     def arrived(self, request: Any) -> None:
-        """A goal has come; `request` is its header and message."""
+        """A goal has come; `request` is its header and message.
+
+        A run that continues sends a goal again of which no server knew, since it was not accepted yet: then that
+        request is the one that is answered.
+        """
         goal = _Goal(goal_id_from_bytes(bytes(request[1].goal_id.uuid)), request)
-        if not self._is_open or goal.goal_id in self._goals:
+        known = self._goals.get(goal.goal_id)
+        if self._is_open and known is not None and known.handle is None:
+            known.request = request
+            return
+        if not self._is_open or known is not None:
             self._answer(goal, GoalResponse.REJECT)
             return
         self._goals[goal.goal_id] = goal

@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 import pytest
 
 from rai_missions.connectors.connector import Report
-from rai_missions.connectors.contract import Inbox
-from tests.connectors.ros2.peer_process import ABORT, DROPPED, FIBONACCI, RUN, SUCCEED, Peer
+from rai_missions.connectors.contract import Inbox, PatientServer
+from tests.connectors.ros2.peer_process import ABORT, DROPPED, FIBONACCI, RUN, SLOW_TO_ACCEPT, SUCCEED, Peer
 
 Open = Callable[..., Any]
 SENDER = """
@@ -142,6 +142,52 @@ def test_goals_that_their_server_knows_nothing_of_are_sent_again_and_no_one_asks
 
     reported = peer.lines.wait(lambda lines: len(ended(lines)) >= len(sent), "the server was asked to end each")
     assert ended(reported) == sorted(sent)
+
+
+def again_on(connector: Any, action: str, goal: dict[str, int], goal_id: str) -> Inbox[Report]:
+    """Look for a goal as a run that continues does: one that its server knows nothing of is sent again."""
+    received: Inbox[Report] = Inbox(30.0)
+
+    def report(found: Report) -> None:
+        if found.status == "lost":
+            connector.send_goal(action, FIBONACCI, goal, goal_id=goal_id, on_report=received)
+        else:
+            received(found)
+
+    connector.find_goal(action, FIBONACCI, goal_id=goal_id, on_report=report)
+    return received
+
+
+def test_a_goal_that_its_server_has_yet_to_accept_is_found_by_being_sent_again(
+    open_ros: Open, ours: Any, peer: Peer
+) -> None:
+    goal_id, before, goal = uuid.uuid4().hex, Inbox[Report](30.0), {"order": SLOW_TO_ACCEPT}
+    ours.find_goal(action_of(peer), FIBONACCI, goal_id=uuid.uuid4().hex, on_report=before)
+    before.wait(bool, "this connector knows the server")
+    open_ros().send_goal(action_of(peer), FIBONACCI, goal, goal_id=goal_id, on_report=lambda report: None)
+    peer.lines.wait(lambda lines: ["asked", SLOW_TO_ACCEPT] in [list(line) for line in lines], "it was asked")
+    received = again_on(ours, action_of(peer), goal, goal_id)
+    received.wait(bool, "its server has decided")
+    ours.cancel_goal(goal_id)
+    received.wait(lambda reported: reported[-1].status == "canceled", "it was canceled")
+    assert [each.status for each in received.all if each.status != "feedback"] == ["accepted", "canceled"]
+
+
+def test_a_goal_that_our_server_has_yet_to_accept_is_found_by_being_sent_again(open_ros: Open, ours: Any) -> None:
+    server, goal_id, action = PatientServer(), uuid.uuid4().hex, f"/slow_{uuid.uuid4().hex[:6]}"
+    open_ros().offer(action, FIBONACCI, server)
+    open_ros().send_goal(action, FIBONACCI, {"order": 3}, goal_id=goal_id, on_report=lambda report: None)
+    server.asked.wait(bool, "it was asked")
+    found(ours, action, goal_id).wait(lambda reported: [each.status for each in reported] == ["lost"], "it is unknown")
+    received, other = Inbox[Report](30.0), uuid.uuid4().hex
+    ours.send_goal(action, FIBONACCI, {"order": 3}, goal_id=goal_id, on_report=received)
+    ours.send_goal(action, FIBONACCI, {"order": 3}, goal_id=other, on_report=lambda report: None)
+    server.asked.wait(lambda asked: ("accept", other) in asked, "what was sent before has come")
+    server.send(goal_id, "accepted")
+    received.wait(lambda reported: reported[0].status == "accepted", "it is executed")
+    server.send(goal_id, "succeeded", {"sequence": [1]})
+    received.wait(lambda reported: reported[-1].status == "succeeded", "it has succeeded")
+    assert server.asked.all == [("accept", goal_id), ("accept", other)]
 
 
 def test_a_goal_is_found_although_the_first_reply_about_it_is_dropped(ours: Any, peer: Peer, left: Left) -> None:
