@@ -2,7 +2,8 @@
 """The paper's agents, which live between `run()` and `stop()`; each is loaded when it is first used.
 
 Imports `answerers`, `check`, `connectors`, `conversation`, `embodiment`, `engine`, `guards`, `journal`, `mission`,
-`profile`, `recording`, `replay`, `runtime`, `states`, `tools`, `voice` and `worlds`, and the modules of the root.
+`planning`, `profile`, `recording`, `replay`, `runtime`, `states`, `tools`, `voice` and `worlds`, and the modules of the
+root.
 """
 
 from __future__ import annotations

@@ -41,12 +41,13 @@ from rai_missions.conversation import (
     Utterance,
 )
 from rai_missions.conversation.grammar import Grammar
-from rai_missions.conversation.inputs import LONGEST, OrderResult, SpeechResult
+from rai_missions.conversation.inputs import OrderResult, SpeechResult
 from rai_missions.conversation.language import language
 from rai_missions.conversation.senses import STOP
 from rai_missions.embodiment.library import Library
 from rai_missions.engine.step import Step
 from rai_missions.event import Role
+from rai_missions.planning.text.normalise import LONGEST
 from rai_missions.redaction import cut, logger, redacted
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Runner

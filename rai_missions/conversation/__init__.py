@@ -19,7 +19,7 @@ from rai_missions.conversation.outputs import (
     TalkNote,
     TalkTurn,
 )
-from rai_missions.conversation.settings import Settings, permissions
+from rai_missions.conversation.settings import Settings
 from rai_missions.conversation.view import BuildView, KeyView, MissionView, ProgressView, RunEvent, StatusView
 
 __all__ = (
@@ -46,5 +46,4 @@ __all__ = (
     "TalkNote",
     "TalkTurn",
     "Utterance",
-    "permissions",
 )

@@ -13,14 +13,12 @@ from rai_missions.conversation.conversation_file import ConversationFile
 from rai_missions.conversation.dialogue import Dialogue
 from rai_missions.conversation.inputs import DocumentQuote, FoundQuotes, ModelText, OrderEnd, SpeechEnd, Utterance
 from rai_missions.conversation.outputs import AskModel, DropModel, LookUp, Order, Output, Silence, Speech, TalkNote
-from rai_missions.conversation.places import PlaceArea
-from rai_missions.conversation.settings import Settings, permissions
-from rai_missions.conversation.spoken_starts import SpokenStart
-from rai_missions.conversation.start_phrases import StartPhrase
+from rai_missions.conversation.settings import Settings
 from rai_missions.conversation.view import BuildView, KeyView, MissionView, ProgressView, RunEvent, StatusView
 from rai_missions.engine.decision import Evidence, Offer, Question
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.model.validation_errors import validated
+from rai_missions.profile.conversation import ConversationPolicy
 
 __all__ = ("PlayedTurn", "check_conversation", "play_conversation")
 
@@ -51,12 +49,9 @@ class PlayedTurn(NamedTuple):
 
 
 def settings_from(data: Mapping[str, Any]) -> Settings:
-    """The settings of a conversation's file; `phrases` and `spoken` as in a profile."""
-    fields: dict[str, Any] = {name: value for name, value in data.items() if name != "may"}
-    fields["phrases"] = tuple(StartPhrase(phrase, given) for phrase, given in data.get("phrases", {}).items())
-    fields["spoken"] = tuple(SpokenStart(text, given) for text, given in data.get("spoken", {}).items())
-    fields["places"] = {name: PlaceArea(**each) for name, each in data.get("places", {}).items()}
-    return Settings(**fields)._replace(may=permissions(data.get("may", {})))
+    """The settings of a conversation's file; who may what, and the places, as in a profile."""
+    policy = validated(ConversationPolicy, {name: data[name] for name in ("may", "places") if name in data})
+    return Settings(**{**data, "may": policy.granted(), "places": policy.places})
 
 
 def _keys(data: Mapping[str, Any]) -> Iterator[KeyView]:

@@ -12,10 +12,10 @@ from typing import Any, Literal, get_type_hints
 from pydantic import BaseModel, ConfigDict, create_model
 
 from rai_missions.conversation.inputs import DocumentQuote, RefusalKind, SpeechResult
-from rai_missions.conversation.places import PlaceArea
 from rai_missions.conversation.settings import Settings
 from rai_missions.conversation.view import BuildView, KeyView, MissionView, ProgressView, RunEvent, StatusView
 from rai_missions.event import Role
+from rai_missions.profile.conversation import NamedPlace
 
 __all__ = ("ConversationFile",)
 
@@ -82,7 +82,7 @@ SETTINGS = _parts(
     "Profile",
     Settings,
     may=_named(_listed(str)),
-    places=_named(_parts("Place", PlaceArea)),
+    places=_named(NamedPlace),
     phrases=_named(OBJECT),
     spoken=_named(OBJECT),
 )

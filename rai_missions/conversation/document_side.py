@@ -10,12 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from rai_missions.conversation.inputs import LONGEST, DocumentQuote, FoundQuotes, Utterance
+from rai_missions.conversation.inputs import DocumentQuote, FoundQuotes, Utterance
 from rai_missions.conversation.outputs import LookUp
 from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.talk import Talk
 from rai_missions.conversation.unread_answers import is_question
-from rai_missions.planning.text.normalise import readable
+from rai_missions.planning.text.normalise import LONGEST, readable
 from rai_missions.redaction import cut
 
 __all__ = ("DocumentSide",)

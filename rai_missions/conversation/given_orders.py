@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeVar
 
-from rai_missions.conversation.inputs import LONGEST, OrderEnd, Utterance
+from rai_missions.conversation.inputs import OrderEnd, Utterance
 from rai_missions.conversation.language import spoken
 from rai_missions.conversation.order_words import order_words
 from rai_missions.conversation.outputs import Order
@@ -18,6 +18,7 @@ from rai_missions.conversation.run_words import state_of_run
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.talk import Talk
+from rai_missions.planning.text.normalise import LONGEST
 from rai_missions.redaction import cut
 
 __all__ = ("LONGEST_REASON", "SPEAKERS", "STOPPING", "GivenOrders", "remember")

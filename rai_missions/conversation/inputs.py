@@ -12,10 +12,9 @@ from typing import Any, Literal, NamedTuple
 from rai_missions.engine.step import Refusal
 from rai_missions.event import Role
 from rai_missions.mission.start_fault import StartFault, StartFaultKind
-from rai_missions.planning.text.normalise import LONGEST
 
 __all__ = (
-    "LONGEST", "DocumentQuote", "FoundQuotes", "ModelText", "OrderEnd", "OrderResult", "RefusalKind", "SpeechEnd",
+    "DocumentQuote", "FoundQuotes", "ModelText", "OrderEnd", "OrderResult", "RefusalKind", "SpeechEnd",
     "SpeechResult", "Utterance", "by_words",
 )  # fmt: skip
 

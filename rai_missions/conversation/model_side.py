@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from rai_missions.conversation.claims import Claims
 from rai_missions.conversation.document_side import DocumentSide
-from rai_missions.conversation.inputs import LONGEST, ModelText, SpeechEnd, Utterance
+from rai_missions.conversation.inputs import ModelText, SpeechEnd, Utterance
 from rai_missions.conversation.model_turns import ModelTurn, ModelTurns
 from rai_missions.conversation.order_forms import order_forms, proposed
 from rai_missions.conversation.order_rules import may
@@ -20,6 +20,7 @@ from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.talk import Talk
 from rai_missions.conversation.unread_answers import UnreadAnswers
 from rai_missions.plain_data import plain
+from rai_missions.planning.text.normalise import LONGEST
 from rai_missions.redaction import cut
 
 __all__ = ("ModelSide",)

@@ -74,7 +74,7 @@ class ModelTurns:
             dropped = [*([self.turn.utterance] if self.turn else []), *self.waiting]
             self.waiting = deque([utterance])
             return True, dropped
-        if self._settings.late == "keep_last":
+        if self._settings.late == "last":
             dropped, self.waiting = list(self.waiting), deque([utterance])
             return False, dropped
         if len(self.waiting) >= self._settings.most_late:

@@ -11,11 +11,11 @@ from typing import Any
 
 from rai_missions.conversation.arguments import IN_WORDS
 from rai_missions.conversation.senses import Sense
-from rai_missions.conversation.settings import ORDERS
 from rai_missions.conversation.view import KeyView, StatusView
 from rai_missions.engine.decision import Offer
 from rai_missions.keys import Key, type_error
 from rai_missions.mission.option_parameters import parameter_faults
+from rai_missions.profile.conversation import ORDERS
 
 __all__ = ("order_forms", "proposed")
 

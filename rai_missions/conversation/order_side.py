@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from rai_missions.conversation.confirmation import OrderConfirmation
 from rai_missions.conversation.given_orders import STOPPING, GivenOrders
-from rai_missions.conversation.inputs import LONGEST, SpeechEnd, Utterance
+from rai_missions.conversation.inputs import SpeechEnd, Utterance
 from rai_missions.conversation.language import spoken
 from rai_missions.conversation.order_rules import (
     TWO_NEEDED,
@@ -31,6 +31,7 @@ from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.talk import Talk
 from rai_missions.conversation.values import capital
 from rai_missions.conversation.view import StatusView
+from rai_missions.planning.text.normalise import LONGEST
 from rai_missions.redaction import cut
 
 __all__ = ("EarlierOrder", "OrderSide")

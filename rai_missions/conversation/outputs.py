@@ -13,7 +13,7 @@ from rai_missions.event import Role
 from rai_missions.profile.conversation import OrderName
 
 __all__ = (
-    "AskModel", "DropModel", "LookUp", "Mapper", "NoteKind", "Order", "OrderName", "Output", "Priority", "Silence",
+    "AskModel", "DropModel", "LookUp", "Mapper", "NoteKind", "Order", "Output", "Priority", "Silence",
     "Speech", "TalkNote", "TalkTurn", "Way",
 )  # fmt: skip
 

@@ -3,39 +3,22 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from rai_missions.conversation.language import Language
 from rai_missions.conversation.view import KeyView
 from rai_missions.plain_data import is_number
+from rai_missions.profile.conversation import NamedPlace
 
-__all__ = ("PlaceArea", "place_named", "place_sentence", "place_words")
-
-
-class PlaceArea(NamedTuple):
-    """A room, or a point, on a map."""
-
-    x: tuple[float, float]
-    """From where to where, in metres."""
-    y: tuple[float, float]
-    frame: str = "map"
-
-    def distance_m(self, x: float, y: float) -> float:
-        """How far a position is from it; 0 inside."""
-        return math.hypot(_outside(x, *self.x), _outside(y, *self.y))
-
-
-def _outside(at: float, least: float, most: float) -> float:
-    return max(least - at, 0.0, at - most)
+__all__ = ("place_named", "place_sentence", "place_words")
 
 
 def _is_position(pose: Any) -> bool:
     return isinstance(pose, Mapping) and is_number(pose.get("x")) and is_number(pose.get("y"))
 
 
-def place_words(pose: Any, frame: str, places: Mapping[str, PlaceArea], language: Language) -> str:
+def place_words(pose: Any, frame: str, places: Mapping[str, NamedPlace], language: Language) -> str:
     """In which place a pose is, or which one is the nearest, as a sentence; empty where none is on its map."""
     if not _is_position(pose):
         return ""
@@ -48,13 +31,13 @@ def place_words(pose: Any, frame: str, places: Mapping[str, PlaceArea], language
     return language.text("near_place", place=name, distance=language.decimals(f"{distance:.1f}"))
 
 
-def place_named(words: Sequence[str], places: Mapping[str, PlaceArea], language: Language) -> str | None:
+def place_named(words: Sequence[str], places: Mapping[str, NamedPlace], language: Language) -> str | None:
     """The place that the words name; None where they name none."""
     bare = language.without_articles(words)
     return next((name for name in places if language.normaliser.words(name) == bare), None)
 
 
-def place_sentence(name: str, place: PlaceArea, pose: KeyView | None, language: Language) -> str:
+def place_sentence(name: str, place: NamedPlace, pose: KeyView | None, language: Language) -> str:
     """Where a place is, and how far from a pose that is on its map."""
     middle = {axis: language.decimals(f"{sum(each) / 2:.1f}") for axis, each in (("x", place.x), ("y", place.y))}
     text = language.text("place_at", place=name, frame=place.frame, **middle)

@@ -55,7 +55,7 @@ class SentenceGrammar:
 
     def __init__(self, language: Language, phrases: StartPhrases | None, questions: Mapping[str, str]) -> None:
         self.language = language
-        self._phrases = phrases or StartPhrases((), {}, language)
+        self._phrases = phrases or StartPhrases({}, {}, language)
         self._corrections = Corrections(language, self._phrases)
         self._answers, self._starts = OptionAnswers(language), MissionStarts(language, self._phrases)
         self._questions = StateQuestions(language, questions)

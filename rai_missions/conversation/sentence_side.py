@@ -22,7 +22,6 @@ from rai_missions.conversation.order_rules import forbidden, is_request, may, mu
 from rai_missions.conversation.order_side import EarlierOrder, OrderSide
 from rai_missions.conversation.outputs import TalkTurn
 from rai_missions.conversation.senses import Sense, is_fault, joined
-from rai_missions.conversation.settings import ORDERS
 from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.state_answers import Asker
 from rai_missions.conversation.suggestions import Suggestions
@@ -32,6 +31,7 @@ from rai_missions.conversation.values import is_known
 from rai_missions.conversation.view import StatusView
 from rai_missions.engine.decision import Question
 from rai_missions.event import Role
+from rai_missions.profile.conversation import ORDERS
 from rai_missions.redaction import cut
 
 __all__ = ("Handling", "SentenceSide")

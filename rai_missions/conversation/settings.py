@@ -4,25 +4,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Any, NamedTuple
 
-from rai_missions.conversation.places import PlaceArea
-from rai_missions.conversation.spoken_starts import SpokenStart
-from rai_missions.conversation.start_phrases import StartPhrase
-from rai_missions.errors import UsageError, suggestion
 from rai_missions.event import Role
-from rai_missions.profile.conversation import GRANTED, ORDERS, OrderName
+from rai_missions.profile.conversation import (
+    ConversationPolicy,
+    NamedPlace,
+    OrderName,
+    WhileAnswering,
+    WhileRunning,
+)
 
-__all__ = ("MAY", "ORDERS", "LatePolicy", "RequestPolicy", "Settings", "permissions")
-
-ROLES: tuple[Role, ...] = get_args(Role)
-RequestPolicy = Literal["queue", "refuse"]
-"""What becomes of a start that is ordered while a mission runs."""
-LatePolicy = Literal["queue", "keep_last", "interrupt"]
-"""What becomes of a sentence for the model while the model answers another; rules answer theirs at once."""
-
-MAY: Mapping[Role, frozenset[OrderName]] = {role: frozenset(GRANTED[role]) for role in ROLES}
-"""What each role may order where the profile grants nothing more; each may ask."""
+__all__ = ("Settings",)
 
 
 class Settings(NamedTuple):
@@ -30,10 +23,12 @@ class Settings(NamedTuple):
 
     language: str = "en"
     """The file of `languages/` with its grammar and templates."""
-    may: Mapping[Role, frozenset[OrderName]] = MAY
-    requests: RequestPolicy = "queue"
+    may: Mapping[Role, frozenset[OrderName]] = ConversationPolicy().granted()
+    """What each role may order; each may ask."""
+    requests: WhileRunning = "queue"
     most_requests: int = 3
-    late: LatePolicy = "queue"
+    late: WhileAnswering = "queue"
+    """What becomes of a sentence for the model while that answers another; rules answer theirs at once."""
     most_late: int = 5
     """Sentences that wait for the model at most, where the policy is `queue`."""
     has_model: bool = False
@@ -56,35 +51,13 @@ class Settings(NamedTuple):
     """The keys whose values are spoken with the end of a mission, where they have one."""
     asked_with: tuple[str, ...] = ()
     """The evidence, keys or fields of one, whose text is spoken with a question."""
-    places: Mapping[str, PlaceArea] = {}
+    places: Mapping[str, NamedPlace] = {}
     """The name of a place → where it is."""
     questions: Mapping[str, str] = {}
     """Questions of this robot → the key, or the field of one, whose value answers them."""
-    phrases: tuple[StartPhrase, ...] = ()
+    phrases: Mapping[str, Mapping[str, Any]] = {}
     """Sentences of this robot that start a mission with arguments."""
-    spoken: tuple[SpokenStart, ...] = ()
+    spoken: Mapping[str, Mapping[str, Any]] = {}
     """What starts with arguments are called, the first that fits."""
     names: Mapping[str, Mapping[str, Any]] = {}
     """Of phrases: argument → the words for each of its values, where it has no other values."""
-
-
-def permissions(granted: Mapping[str, object]) -> Mapping[Role, frozenset[OrderName]]:
-    """The table of a profile's `"may"`: what is granted there is added to what each role has.
-
-    Args:
-        granted: Role → the names of orders.
-
-    Raises:
-        UsageError: A role or an order that does not exist.
-    """
-    table = dict(MAY)
-    for role, names in granted.items():
-        if role not in ROLES:
-            raise UsageError(f"'may' names no role: '{role}'{suggestion(role, ROLES)}")
-        if not isinstance(names, list | tuple | set | frozenset):
-            raise UsageError(f"'may' of '{role}' is no list: {names!r}; give a list of: {', '.join(ORDERS)}")
-        for name in names:
-            if name not in ORDERS:
-                raise UsageError(f"'may' of '{role}' names no order: '{name}'{suggestion(str(name), ORDERS)}")
-        table[role] = table[role] | frozenset(names)
-    return table

@@ -20,8 +20,9 @@ from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.view import KeyView, MissionView
 from rai_missions.conversation.word_slips import NEAREST as LEAST_MENDED
 from rai_missions.conversation.word_slips import nearest
+from rai_missions.profile.conversation import SentenceArguments
 
-__all__ = ("SLOT", "Names", "StartPhrase", "StartPhrases", "arguments_of")
+__all__ = ("SLOT", "Names", "StartPhrases", "arguments_of")
 
 VALUE = "…"
 """The plainest sentence of a phrase that needs no word but a value."""
@@ -34,20 +35,14 @@ Names = Mapping[str, Mapping[str, Any]]
 """Argument → the words for each of its values, where it has no other values."""
 
 
-class StartPhrase(NamedTuple):
-    """A sentence, and what it means."""
-
-    phrase: str
-    """As in a language's file; `{key}` is the value of an argument."""
-    arguments: Mapping[str, Any] = {}
-    """The arguments that it gives without words for them; in a text `{name}` is what the sentence has there."""
-
-
 class CompiledPhrase(NamedTuple):
     """A phrase that can be matched."""
 
     phrases: Phrases
-    given: StartPhrase
+    phrase: str
+    """As in a language's file; `{key}` is the value of an argument."""
+    arguments: Mapping[str, Any]
+    """The arguments that it gives without words for them; in a text `{name}` is what the sentence has there."""
     keys: frozenset[str]
     """Every argument that it gives."""
     is_value: bool
@@ -55,10 +50,10 @@ class CompiledPhrase(NamedTuple):
 
 
 def arguments_of(slots: frozenset[str], given: Mapping[str, Any]) -> frozenset[str]:
-    """Every argument that a phrase gives: its own, and its slots but for those that a text quotes.
+    """Every argument that a sentence gives: its own, and its slots but for those that a text quotes.
 
     Args:
-        slots: Of the phrase.
+        slots: Of the sentence.
         given: Argument → value.
     """
     quoted = {name for value in given.values() if isinstance(value, str) for name in SLOT.findall(value)}
@@ -73,7 +68,7 @@ class StartPhrases:
     """The sentences of a profile.
 
     Args:
-        given: Each of them.
+        given: Each of them → the arguments that it gives without words for them.
         names: Argument → the words for each of its values, where it has no other values.
         language: Its articles, numbers and parts.
 
@@ -81,14 +76,14 @@ class StartPhrases:
         UsageError: A phrase is not closed, or names a part that does not exist.
     """
 
-    def __init__(self, given: Sequence[StartPhrase], names: Names, language: Language) -> None:
+    def __init__(self, given: SentenceArguments, names: Names, language: Language) -> None:
         self._names, self._language = names, language
         data = language.data
         spatial = language.spatial - frozenset(data["prepositions"])
         joints = frozenset([*data["order_joints"], language.text("or")])
         self._undecided = spatial | joints | frozenset(data["no_thing"]["any"])
         self._joints = frozenset([*data["clause_joints"], *data["lead"]])
-        self._each = [self._compiled(each) for each in given]
+        self._each = [self._compiled(phrase, arguments) for phrase, arguments in given.items()]
         self._called = {name: language.written_out(spoken(name)) for choices in names.values() for name in choices}
         """Name of a value → its words, as a sentence has them."""
         named = (word for called in self._called.values() for word in called.split())
@@ -96,16 +91,16 @@ class StartPhrases:
         """The words of each listed value."""
         self.words = frozenset(named).union(*(each.phrases.words for each in self._each))
 
-    def _compiled(self, given: StartPhrase) -> CompiledPhrase:
-        phrases = self._language.order_phrases([given.phrase])
-        is_value = example_of(given.phrase) == VALUE
-        return CompiledPhrase(phrases, given, arguments_of(phrases.slots, given.arguments), is_value)
+    def _compiled(self, phrase: str, arguments: Mapping[str, Any]) -> CompiledPhrase:
+        phrases = self._language.order_phrases([phrase])
+        keys, is_value = arguments_of(phrases.slots, arguments), example_of(phrase) == VALUE
+        return CompiledPhrase(phrases, phrase, arguments, keys, is_value)
 
     def examples(self, missions: Sequence[MissionView]) -> tuple[str, ...]:
         """A plain sentence for each phrase that starts one of the missions: `go to …`."""
         keys = [mission.keys.keys() for mission in missions]
         own = [each for each in self._each if not each.is_value]
-        starting = (each.given.phrase for each in own if any(each.keys <= names for names in keys))
+        starting = (each.phrase for each in own if any(each.keys <= names for names in keys))
         return tuple(dict.fromkeys(example_of(phrase) for phrase in starting))
 
     def begin(self, words: Sequence[str]) -> bool:
@@ -154,7 +149,7 @@ class StartPhrases:
     def _start(
         self, mission: MissionView, slots: Mapping[str, str], phrase: CompiledPhrase, keys: Mapping[str, KeyView]
     ) -> Sense:
-        values: dict[str, Any] = {name: _filled(value, slots) for name, value in phrase.given.arguments.items()}
+        values: dict[str, Any] = {name: _filled(value, slots) for name, value in phrase.arguments.items()}
         faults = dict[str, str]()
         for name, words in ((name, words.split()) for name, words in slots.items() if name in keys):
             try:
@@ -186,7 +181,7 @@ class StartPhrases:
         """
         prepositions = self._language.data["prepositions"]
         for each in self._each:
-            for name, text in each.given.arguments.items():
+            for name, text in each.arguments.items():
                 slots = self._slots_of(each, given.get(name)) if isinstance(text, str) and SLOT.search(text) else None
                 if slots is None or len(slots) != 1:
                     continue

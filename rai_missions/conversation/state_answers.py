@@ -14,7 +14,7 @@ from rai_missions.conversation.build_answers import BUILD, build_sentence, knows
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.mentions import count_sentence, mention_sentences
 from rai_missions.conversation.names import key_named
-from rai_missions.conversation.places import PlaceArea, place_named, place_sentence, place_words
+from rai_missions.conversation.places import place_named, place_sentence, place_words
 from rai_missions.conversation.question_words import question_text
 from rai_missions.conversation.run_words import control_text, end_text, goals_text
 from rai_missions.conversation.senses import Sense
@@ -31,10 +31,11 @@ from rai_missions.conversation.values import (
     value_words,
 )
 from rai_missions.conversation.view import HappeningKind, KeyView, RunEvent, StatusView
+from rai_missions.profile.conversation import NamedPlace
 
 __all__ = ("ALWAYS", "Asker", "StateAnswers")
 
-NOWHERE: Mapping[str, PlaceArea] = {}
+NOWHERE: Mapping[str, NamedPlace] = {}
 SPEED = ("speed",)
 """The name of the key that reports how fast a robot is."""
 ALWAYS = ("hello", "thanks", "bye", "sorry", "rude")
@@ -86,7 +87,7 @@ class StateAnswers:
         language: Language,
         starts: StartPhrases,
         results: Sequence[str] = (),
-        places: Mapping[str, PlaceArea] = NOWHERE,
+        places: Mapping[str, NamedPlace] = NOWHERE,
         asked_with: Sequence[str] = (),
     ) -> None:
         self.language, self._starts, self._results = language, starts, results

@@ -7,7 +7,7 @@ from collections import deque
 from itertools import islice
 from typing import Any
 
-from rai_missions.conversation.inputs import LONGEST, Utterance
+from rai_missions.conversation.inputs import Utterance
 from rai_missions.conversation.language import language
 from rai_missions.conversation.outputs import NoteKind, Output, Speech, TalkNote, TalkTurn, Way
 from rai_missions.conversation.settings import Settings
@@ -15,6 +15,7 @@ from rai_missions.conversation.spoken_starts import SpokenStarts
 from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.state_answers import StateAnswers
 from rai_missions.conversation.view import StatusView
+from rai_missions.planning.text.normalise import LONGEST
 from rai_missions.redaction import cut
 
 __all__ = ("Talk",)

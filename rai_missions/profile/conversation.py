@@ -6,8 +6,10 @@ Rule: it grants orders to roles. Which role a person has, the door through which
 
 from __future__ import annotations
 
+import math
 import re
-from typing import Annotated, Literal, get_args
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import Field, ValidationInfo, field_validator
 
@@ -15,7 +17,10 @@ from rai_missions.errors import suggestion
 from rai_missions.event import Role
 from rai_missions.model import LISTED, Bool, Json, MissionModel, Name, Number, Text, fault, refuse
 
-__all__ = ("GRANTED", "ORDERS", "ConversationPolicy", "NamedPlace", "OrderName", "WhileAnswering")
+__all__ = (
+    "GRANTED", "ORDERS", "ConversationPolicy", "NamedPlace", "OrderName", "SentenceArguments", "WhileAnswering",
+    "WhileRunning",
+)  # fmt: skip
 
 OrderName = Literal["start", "pause", "resume", "cancel", "stop", "answer"]
 ORDERS: tuple[OrderName, ...] = get_args(OrderName)
@@ -24,9 +29,10 @@ GRANTED: dict[Role, tuple[OrderName, ...]] = {"operator": ORDERS, "viewer": (), 
 """Role → what it may order where a profile grants nothing; every role may ask."""
 Orders = Annotated[tuple[OrderName, ...], LISTED]
 Keys = Annotated[tuple[Name, ...], LISTED]
+WhileRunning = Literal["queue", "refuse"]
 WhileAnswering = Literal["queue", "last", "interrupt"]
-
-
+SentenceArguments = Mapping[str, Mapping[str, Any]]
+"""Sentence → the arguments of a start that it gives without words for them."""
 BELOW = re.compile(r"(?:/[A-Za-z_][A-Za-z0-9_]*)*")
 Span = Annotated[tuple[Number, Number], LISTED]
 
@@ -47,6 +53,10 @@ class NamedPlace(MissionModel):
             raise fault(str(info.field_name), f"{list(span)} ends before it begins; write [{span[1]}, {span[0]}]")
         return span
 
+    def distance_m(self, x: float, y: float) -> float:
+        """How far a position is from it, in metres; 0 inside."""
+        return math.hypot(*(max(span[0] - at, 0.0, at - span[1]) for at, span in ((x, self.x), (y, self.y))))
+
 
 class ConversationPolicy(MissionModel):
     """How a robot talks with people."""
@@ -54,7 +64,7 @@ class ConversationPolicy(MissionModel):
     may: dict[Text, Orders] = Field(default_factory=dict)
     """Role → the orders that it may give as well: `person` is anyone who speaks or writes from outside and by default
     may stop, `viewer` looks at a page and by default may order nothing, and `operator` may everything."""
-    requests: Literal["queue", "refuse"] = "queue"
+    requests: WhileRunning = "queue"
     """What becomes of a start that is ordered while a mission runs: it waits for its turn, at most 3, or is refused."""
     while_answering: WhileAnswering = "queue"
     """What becomes of a message that comes while a model answers the one before: it waits, only the last waits, or the
@@ -106,6 +116,6 @@ class ConversationPolicy(MissionModel):
         )
         return may
 
-    def granted(self) -> dict[str, frozenset[OrderName]]:
+    def granted(self) -> dict[Role, frozenset[OrderName]]:
         """Role → all that it may order."""
         return {role: frozenset((*orders, *self.may.get(role, ()))) for role, orders in GRANTED.items()}

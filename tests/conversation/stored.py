@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.conversation import KeyView, MissionView, Order, Output, Settings, StatusView, TalkNote
-from rai_missions.conversation.start_phrases import StartPhrase
 
 FOLDER = Path(__file__).parent / "data"
 
@@ -26,17 +25,12 @@ KEYS = {name: KeyView(name, "number") for name in ("battery", "ahead_m", "pose")
 PATROLLING = StatusView(run="r1", mode="running", robot="rosbot, simulated", mission="rosbot_patrol", keys=KEYS)
 
 
-def start_phrases(phrases: Mapping[str, Mapping[str, Any]]) -> tuple[StartPhrase, ...]:
-    """Phrases of a profile, each with what it gives."""
-    return tuple(StartPhrase(phrase, given) for phrase, given in phrases.items())
-
-
 def settings_in(
     code: str, phrases: Mapping[str, Mapping[str, Any]], places: Mapping[str, str], *, has_model: bool = False
 ) -> Settings:
     """The settings of a robot that is sent to places in one language."""
     names = {"place": places}
-    return Settings(language=code, phrases=start_phrases(phrases), names=names, has_model=has_model)
+    return Settings(language=code, phrases=phrases, names=names, has_model=has_model)
 
 
 def read_back(outputs: tuple[Output, ...]) -> list[dict[str, str] | None]:

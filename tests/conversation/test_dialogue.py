@@ -24,11 +24,9 @@ from rai_missions.conversation import (
     StatusView,
     TalkNote,
     Utterance,
-    permissions,
 )
 from rai_missions.conversation.sentences import SentenceStream, sentences
 from rai_missions.engine.decision import Offer, Question
-from rai_missions.errors import UsageError
 
 RUNNING = StatusView(run="r", mode="running", mission="patrol")
 
@@ -269,25 +267,6 @@ def test_what_a_process_before_may_have_reported_is_marked_as_repeated_and_nothi
     later = dialogue.on_status(resumed._replace(questions=(question._replace(number=2),)), 1.0)
     reports = {each.report: each.repeated for each in (*first, *later) if isinstance(each, Speech)}
     assert reports == {"r:start": True, "r:question:1": True, "r:question:2": False}
-
-
-def test_a_profile_adds_to_what_a_role_may() -> None:
-    assert permissions({"person": ["answer"]})["person"] == {"stop", "answer"}
-    assert permissions({})["viewer"] == frozenset()
-
-
-@pytest.mark.parametrize(
-    ("granted", "message"),
-    [
-        ({"persn": ["stop"]}, "'may' names no role: 'persn'; did you mean 'person'?"),
-        ({"person": ["paus"]}, "'may' of 'person' names no order: 'paus'; did you mean 'pause'?"),
-        ({"person": "stop"}, "'may' of 'person' is no list: 'stop'; give a list of: start"),
-    ],
-)
-def test_what_a_profile_cannot_grant_is_refused_with_what_it_can(granted: dict[str, Any], message: str) -> None:
-    with pytest.raises(UsageError) as error:
-        permissions(granted)
-    assert message in str(error.value)
 
 
 def test_the_history_is_bounded() -> None:

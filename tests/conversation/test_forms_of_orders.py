@@ -14,7 +14,7 @@ from rai_missions.conversation.language import language, languages
 from rai_missions.conversation.senses import STOP, Sense
 from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.engine.decision import Offer, Question
-from tests.conversation.stored import ASSISTING, start_phrases
+from tests.conversation.stored import ASSISTING
 
 PHRASES = {
     "en": {
@@ -143,7 +143,7 @@ ABOUT_IT = {
 
 def grammar_of(code: str) -> Grammar:
     words = language(code)
-    return Grammar(words, StartPhrases(start_phrases(PHRASES[code]), PLACES[code], words))
+    return Grammar(words, StartPhrases(PHRASES[code], PLACES[code], words))
 
 
 def ordered(senses: tuple[Sense, ...]) -> list[tuple[str, dict[str, object]]]:

@@ -17,7 +17,7 @@ from rai_missions.conversation.language import language, languages
 from rai_missions.conversation.names import option_named
 from rai_missions.conversation.phrases import Phrases, example_of
 from rai_missions.conversation.senses import STOP, Sense
-from rai_missions.conversation.start_phrases import StartPhrase, StartPhrases
+from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.engine.decision import Offer, Question
 from rai_missions.errors import UsageError
 from tests.conversation.stored import ARGUMENTS, SENTENCES
@@ -181,12 +181,12 @@ def _slots(text: str) -> list[str]:
     return [part.partition("}")[0] for part in text.split("{")[1:]]
 
 
-HOUSE = (
-    StartPhrase("(find|look for) {object}", {"task": "find", "place": "house"}),
-    StartPhrase("(find|look for) {object} in {place}", {"task": "find"}),
-    StartPhrase("wait [for] {wait_s} seconds", {"task": "wait"}),
-    StartPhrase("find {treasure} at sea", {}),
-)
+HOUSE: dict[str, dict[str, str]] = {
+    "(find|look for) {object}": {"task": "find", "place": "house"},
+    "(find|look for) {object} in {place}": {"task": "find"},
+    "wait [for] {wait_s} seconds": {"task": "wait"},
+    "find {treasure} at sea": {},
+}
 PLACES = {"place": {"kitchen": "kitchen", "living room": "living_room"}}
 ASSIST = MissionView("assist", "", (*ARGUMENTS, KeyView("wait_s", "integer", "argument")))
 CALLED = {

@@ -27,9 +27,9 @@ from rai_missions.conversation import (
     SpeechEnd,
     StatusView,
     Utterance,
-    permissions,
 )
 from rai_missions.engine.decision import Offer, Question
+from rai_missions.profile import ConversationPolicy
 from tests.conversation.stored import SENTENCES
 from tests.rigs.laws import drill
 
@@ -86,7 +86,7 @@ class Referee:
         granted = {role: sorted(orders) for role, orders in may.items()}
         self.may, self.at, self.is_kind = may, 0.0, is_kind
         self.view = BEGIN
-        self.dialogue = Dialogue(Settings(has_model=True, may=permissions(granted)), self.view)
+        self.dialogue = Dialogue(Settings(has_model=True, may=ConversationPolicy(may=granted).granted()), self.view)
         self.spoken: list[Utterance] = []
         self.read_back: tuple[Speech, StatusView, float] | None = None
         self.spoken_since: set[tuple[str, str]] = set()
@@ -285,7 +285,7 @@ def test_an_order_is_given_at_once_where_no_other_reading_is_possible_now(
     first: str, other: str, mode: str, agreeing: int
 ) -> None:
     view = BEGIN._replace(mode=mode, outcome=None if mode in ALIVE else mode)
-    dialogue = Dialogue(Settings(may=permissions({"person": sorted(MAY["operator"])})), view)
+    dialogue = Dialogue(Settings(may=ConversationPolicy(may={"person": sorted(MAY["operator"])}).granted()), view)
     read = Utterance(first, "person", "voice", "", 1.0, (first,) * agreeing + (other,) * 2)
     outputs = dialogue.on_utterance(read, view)
     one, two = SPOKEN[first], SPOKEN[other]

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 
 from rai_missions.conversation.order_forms import order_forms, proposed
-from rai_missions.conversation.settings import ORDERS
 from rai_missions.conversation.view import KeyView, MissionView, StatusView
 from rai_missions.engine.decision import Offer, Question
+from rai_missions.profile import ORDERS
 
 FREE = {"type": "object", "properties": {"row": {"type": "integer", "minimum": 1}}, "required": ["row"],
         "additionalProperties": False}  # fmt: skip

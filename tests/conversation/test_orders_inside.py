@@ -18,7 +18,6 @@ from rai_missions.conversation import (
     Utterance,
 )
 from rai_missions.conversation.language import language, languages
-from rai_missions.conversation.start_phrases import StartPhrase
 from rai_missions.conversation.word_slips import NEAREST as LEAST_MENDED
 from tests.conversation.stored import ARGUMENTS, ASSISTING, read_back, settings_in
 
@@ -128,9 +127,8 @@ def test_a_question_that_no_fact_answers_is_the_order_to_look_and_is_read_back(c
 
 
 def test_where_the_robot_is_remains_a_question() -> None:
-    phrases = tuple(StartPhrase(phrase, given) for phrase, given in PHRASES["en"].items())
     bare = Dialogue(Settings(), VIEW).on_utterance(Utterance("where are you?", "operator", "terminal"), VIEW)
-    own = Dialogue(Settings(phrases=phrases), VIEW).on_utterance(
+    own = Dialogue(Settings(phrases=PHRASES["en"]), VIEW).on_utterance(
         Utterance("where are you?", "operator", "terminal"), VIEW
     )
     assert spoken(own) == spoken(bare) != ""

@@ -13,7 +13,7 @@ from rai_missions.conversation.grammar import Grammar
 from rai_missions.conversation.language import language, languages
 from rai_missions.conversation.phrases import example_of
 from rai_missions.conversation.start_phrases import StartPhrases
-from tests.conversation.stored import ASSISTING, start_phrases
+from tests.conversation.stored import ASSISTING
 from tests.conversation.test_forms_of_orders import PHRASES, PLACES
 from tests.conversation.test_order_lists import ORDERS
 
@@ -42,7 +42,7 @@ def meant(grammar: Grammar, text: str, view: StatusView) -> list[str]:
 @pytest.mark.parametrize("code", languages())
 def test_a_sentence_that_is_repeated_for_emphasis_means_what_it_means_once(code: str, mode: str) -> None:
     words = language(code)
-    grammar = Grammar(words, StartPhrases(start_phrases(PHRASES[code]), PLACES[code], words))
+    grammar = Grammar(words, StartPhrases(PHRASES[code], PLACES[code], words))
     wrong = dict[str, list[str]]()
     for sentence, sign, count in product(plain_sentences(code), SIGNS, (2, 3, 5)):
         once, text = meant(grammar, sentence, VIEWS[mode]), sign.join([sentence] * count)

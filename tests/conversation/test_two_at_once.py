@@ -26,15 +26,12 @@ from rai_missions.conversation import (
     Utterance,
 )
 from rai_missions.conversation.confirmation import CROSSING_S
-from rai_missions.conversation.start_phrases import StartPhrase
 from tests.rigs.laws import drill
 
 ARGUMENTS = tuple(KeyView(name, "string", "argument") for name in ("task", "place"))
 VIEW = StatusView(mode="running", mission="assist", missions=(MissionView("assist", "", ARGUMENTS),))
 PLACES = ("kitchen", "study", "bedroom")
-SETTINGS = Settings(
-    phrases=(StartPhrase("go to {place}", {"task": "go"}),), names={"place": {each: each for each in PLACES}}
-)
+SETTINGS = Settings(phrases={"go to {place}": {"task": "go"}}, names={"place": {each: each for each in PLACES}})
 PERSONS = (("terminal", "Anna"), ("page", "Ben"))
 MOST_CONFIRMED = 3
 """Requests that may wait; a new run follows, since a start is refused after them."""

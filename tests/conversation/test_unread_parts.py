@@ -14,7 +14,7 @@ from rai_missions.conversation.language import language, languages
 from rai_missions.conversation.order_words import order_words
 from rai_missions.conversation.spoken_starts import SpokenStarts
 from rai_missions.conversation.start_phrases import StartPhrases
-from tests.conversation.stored import settings_in, start_phrases
+from tests.conversation.stored import settings_in
 from tests.conversation.test_forms_of_orders import PHRASES, PLACES
 from tests.conversation.test_order_lists import IDLE, ORDERS, RUNNING, joints
 
@@ -63,9 +63,9 @@ def words(code: str, text: str) -> str:
 def called(code: str, name: str, view: StatusView) -> list[str]:
     """How an order is named: as the robot calls it, as the person typed it, or by its value, which does not fit."""
     code_words, text = language(code), ORDERS[code][name]
-    phrases = StartPhrases(start_phrases(PHRASES[code]), PLACES[code], code_words)
+    phrases = StartPhrases(PHRASES[code], PLACES[code], code_words)
     (sense,) = Grammar(code_words, phrases).senses(text, view)
-    starts = SpokenStarts((), PLACES[code], code_words)
+    starts = SpokenStarts({}, PLACES[code], code_words)
     values = [each for each in VALUES[code] if each in words(code, text)]
     return [words(code, order_words(sense, view, starts, code_words)), words(code, text), *values]
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from rai_missions.conversation import KeyView, MissionView, StatusView
 from rai_missions.conversation.language import language, languages
 from rai_missions.conversation.phrases import Phrases
-from rai_missions.conversation.start_phrases import StartPhrase, StartPhrases
+from rai_missions.conversation.start_phrases import StartPhrases
 
 VIEW = StatusView(missions=(MissionView("assist", "", (KeyView("object", "string", "argument"),)),))
 VERBS = [(code, verb) for code in languages() for verb in language(code).data["verbs"]]
@@ -33,7 +33,7 @@ HEADS: Mapping[str, Mapping[str, str]] = {
 
 
 def starts(code: str, phrase: str) -> StartPhrases:
-    return StartPhrases([StartPhrase(phrase)], {}, language(code))
+    return StartPhrases({phrase: {}}, {}, language(code))
 
 
 def object_of(code: str, phrase: str, words: list[str]) -> object:

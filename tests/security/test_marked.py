@@ -30,12 +30,12 @@ from rai_missions.connectors.connector import Report
 from rai_missions.connectors.hri.connector import HRIConnector
 from rai_missions.connectors.hri.message import HRIMessage
 from rai_missions.connectors.local import LocalConnector
-from rai_missions.conversation import Settings, permissions
+from rai_missions.conversation import Settings
 from rai_missions.embodiment.identity import Identity
 from rai_missions.journal import Header, Journal
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import Robot, dump_profile
+from rai_missions.profile import ConversationPolicy, Robot, dump_profile
 from rai_missions.replay.replay import replay
 from rai_missions.runtime.clock import WallClock
 from tests.agents.talk.scenes import Talk
@@ -274,7 +274,7 @@ class Meeting:
         }
 
 
-GRANTED = permissions({"person": ["start", "answer", "cancel"]})
+GRANTED = ConversationPolicy(may={"person": ["start", "answer", "cancel"]}).granted()
 SETTINGS = Settings(
     may=GRANTED, results=("label", "reply"), asked_with=("label",), questions={"what is the label": "label"}
 )

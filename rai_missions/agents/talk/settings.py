@@ -4,16 +4,13 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from collections.abc import Set as AbstractSet
 
-from rai_missions.conversation import Settings, permissions
+from rai_missions.conversation import Settings
 from rai_missions.conversation.language import language, languages
 from rai_missions.conversation.phrases import Phrases
-from rai_missions.conversation.places import PlaceArea
-from rai_missions.conversation.settings import LatePolicy
-from rai_missions.conversation.spoken_starts import SpokenStart, arguments_spoken
-from rai_missions.conversation.start_phrases import StartPhrase, arguments_of
+from rai_missions.conversation.start_phrases import SLOT, arguments_of
 from rai_missions.errors import DefinitionError, Fault, MissionError, UsageError, pointer, suggestion
 from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission
@@ -21,21 +18,19 @@ from rai_missions.profile import ConversationPolicy, Robot
 
 __all__ = ("conversation_faults", "conversation_oddities", "settings_of")
 
-LATE: Mapping[str, LatePolicy] = {"queue": "queue", "last": "keep_last", "interrupt": "interrupt"}
-
 
 def settings_of(policy: ConversationPolicy | None) -> Settings:
     """The settings of a robot's dialogue; those of no profile where it states none."""
     policy = policy or ConversationPolicy()
     return Settings(
         language=policy.language,
-        may=permissions(policy.may),
+        may=policy.granted(),
         requests=policy.requests,
-        late=LATE[policy.while_answering],
-        phrases=tuple(StartPhrase(phrase, arguments) for phrase, arguments in policy.phrases.items()),
-        spoken=tuple(SpokenStart(text, arguments) for text, arguments in policy.spoken.items()),
+        late=policy.while_answering,
+        phrases=policy.phrases,
+        spoken=policy.spoken,
         names=policy.names,
-        places={name: PlaceArea(each.x, each.y, each.frame) for name, each in policy.places.items()},
+        places=policy.places,
         questions=policy.questions,
         asked_with=policy.asked_with,
         results=policy.results,
@@ -65,7 +60,7 @@ def conversation_faults(robot: Robot, mission: Mission | None = None) -> tuple[F
         found += _argument_faults(arguments_of(compiled.slots, arguments), takes, place)
     for text, arguments in policy.spoken.items():
         place = pointer(("conversation", "spoken", text))
-        found += _argument_faults(arguments_spoken(SpokenStart(text, arguments)), takes, place)
+        found += _argument_faults(arguments_of(frozenset(SLOT.findall(text)), arguments), takes, place)
     return (*found, *_question_faults(policy, mission))
 
 

@@ -24,9 +24,10 @@ from rai_missions.agents.talk.run_status import RunStatus
 from rai_missions.connectors.hri.connector import FROM_HUMAN, TO_HUMAN, HRIConnector
 from rai_missions.connectors.hri.message import HRIMessage
 from rai_missions.connectors.local import LocalConnector
-from rai_missions.conversation import Settings, Speech, StatusView, permissions
+from rai_missions.conversation import Settings, Speech, StatusView
 from rai_missions.engine.chart import Chart
 from rai_missions.event import Event, Role
+from rai_missions.profile import ConversationPolicy
 from rai_missions.runtime.clock import WallClock
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.testing import Inbox
@@ -155,7 +156,7 @@ def test_what_a_run_refuses_is_of_the_kind_that_its_step_has() -> None:
 
 
 def test_what_the_profile_grants_a_person_may_do() -> None:
-    settings = Settings(may=permissions({"person": ["answer"]}))
+    settings = Settings(may=ConversationPolicy(may={"person": ["answer"]}).granted())
     with talked(ASKED, settings=settings) as talk:
         talk.screen.until(lambda line: "Which?" in line.text)
         talk.order("left", "person")

@@ -16,9 +16,9 @@ import pytest
 
 from rai_missions.agents.talk.doors import TextDoor
 from rai_missions.conversation import Settings
-from rai_missions.conversation.settings import MAY
 from rai_missions.engine.step import Step
 from rai_missions.event import Role
+from rai_missions.profile import ConversationPolicy
 from tests.agents.talk.scenes import HeldOpen, RepliesModel, Screen, Talk
 from tests.rigs.runs import Plan, PlannedServer, ReplyingAnswerer, mission
 
@@ -142,7 +142,7 @@ WORLD_WAITS_S = 0.04
 """Seconds that each step of the world waits at most for a reply of the model: the run is as long as the talk."""
 WORLD_WAITS_FOR_TALK_S = 2.0
 """Seconds that each step of the world waits at most for a sentence: no run is over before the talk about it."""
-ASKS = Settings(may={**MAY, "person": frozenset()})
+ASKS = Settings(may={**ConversationPolicy().granted(), "person": frozenset()})
 """No one may order anything, a stop included: with it, a person's "yes" to a model's proposal to stop would count."""
 
 
