@@ -49,8 +49,9 @@ class OutcomeReports:
             outcomes |= self._together(spot)
         elif isinstance(state, Compound):
             outcomes |= self._finals(spot)
-        if state.activity() and any(each.state.control is not None for each in spot.upward()):
-            outcomes |= {"rejected"}
+        starts = state.activity() or not (spot.children or isinstance(state, History))
+        if starts and any(each.state.control is not None for each in spot.upward()):
+            outcomes |= {"rejected"}  # control did not come in time, also for one that only waits
         return frozenset(outcomes)
 
     def _finals(self, spot: StateRef) -> frozenset[str]:
