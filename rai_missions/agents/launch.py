@@ -21,7 +21,7 @@ from rai_missions.engine.decision import Answerer
 from rai_missions.errors import UsageError
 from rai_missions.journal import Header, Journal, make_way, versions
 from rai_missions.kinds import PackageOffer
-from rai_missions.mission.files import dump
+from rai_missions.mission.files import journal_text
 from rai_missions.mission.garbage import few_collections
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, dump_profile
@@ -209,9 +209,7 @@ def _header(plan: RunPlan, packages: Mapping[str, str]) -> Header:
     header = Header("", profile, dict(plan.config.arguments), versions=found, programs=dict(plan.config.programs))
     if plan.config.journal_path is None:
         return header
-    if not plan.mission.behaviours():  # one with behaviours in Python has no JSON; a replay needs its file
-        header = header._replace(mission=dump(plan.mission))
-    return header._replace(run=uuid.uuid4().hex[:12])
+    return header._replace(mission=journal_text(plan.mission), run=uuid.uuid4().hex[:12])
 
 
 def _open_answerers(

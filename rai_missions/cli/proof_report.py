@@ -13,7 +13,7 @@ from rai_missions.cli.long_work import WorkPace
 from rai_missions.errors import ConnectorError, UsageError, counted
 from rai_missions.event import Event
 from rai_missions.journal import Header
-from rai_missions.mission.files import dump
+from rai_missions.mission.files import journal_text
 from rai_missions.mission.mission import Mission
 from rai_missions.plain_data import plain
 from rai_missions.prove import MOST_STATES, Proof, record
@@ -79,8 +79,7 @@ def write_journals(proof: Proof, mission: Mission, robot: Robot | None, output: 
             for key, value in scene.facts.items()
             if mission.blackboard[key].source == "argument"
         }
-        whole = "" if mission.behaviours() else dump(mission)
-        header = Header(whole, profile, arguments, versions=mission.packages())
+        header = Header(journal_text(mission), profile, arguments, versions=mission.packages())
         path = _path(output, mission, name, only=len(proof.ways) == 1)
         try:
             shows = record(path, header, mission, scenes, terms=of_robot)

@@ -19,7 +19,7 @@ from rai_missions.mission.garbage import few_collections
 if TYPE_CHECKING:
     from rai_missions.mission.mission import Mission
 
-__all__ = ("SCHEMA", "dump", "load", "write_atomically", "written_mission")
+__all__ = ("SCHEMA", "dump", "journal_text", "load", "write_atomically", "written_mission")
 
 SCHEMA = "mission.schema.json"
 """Where an editor looks for the schema: next to the mission. `rai-missions schema` prints it."""
@@ -94,6 +94,11 @@ def dump(mission: Mission, path: str | os.PathLike[str] | None = None) -> str:
     if path is not None:
         write_atomically(Path(path), text.encode())
     return text
+
+
+def journal_text(mission: Mission) -> str:
+    """A mission as a journal holds it: empty with behaviours in Python, which have no JSON; a replay needs its file."""
+    return "" if mission.behaviours() else dump(mission)
 
 
 def write_atomically(path: Path, data: bytes) -> None:

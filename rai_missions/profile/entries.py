@@ -122,11 +122,6 @@ class ActionEntry(MissionModel):
             if self.succeeded is None:
                 yield fault("succeeded", "a composed action needs 'succeeded': a guard that states when it has")
 
-    @property
-    def composed(self) -> bool:
-        """It is made of services and guards."""
-        return self.start is not None
-
     def goal_of(self, goal: Mapping[str, Any]) -> dict[str, Any]:
         """The goal for the server from the mission's; raises `ConnectorError` as `given_to` does."""
         return given_to(self.goal, goal)

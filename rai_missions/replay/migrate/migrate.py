@@ -20,7 +20,7 @@ from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.event import Event
 from rai_missions.journal import MIGRATED, Header, Journal, Note, Record, opened, read
 from rai_missions.journal.sqlite import log_of
-from rai_missions.mission.files import dump
+from rai_missions.mission.files import journal_text
 from rai_missions.mission.mission import Mission
 from rai_missions.mission.renaming import renamed
 from rai_missions.profile import ActionEntry, Robot, dump_profile, missing, terms
@@ -33,9 +33,6 @@ from rai_missions.replay.rebuild import Predicates, mission_of, recorded_robot, 
 from rai_missions.replay.resume import Resumption, resumption
 
 __all__ = ("MigratedRun", "follow", "migrate")
-
-
-NO_PROGRAMS: Mapping[str, str] = {}
 
 
 class MigratedRun(NamedTuple):
@@ -55,7 +52,7 @@ def migrate(
     to: str | Path,
     robot: Robot | None = None,
     named: Predicates | None = None,
-    programs: Mapping[str, str] = NO_PROGRAMS,
+    programs: Mapping[str, str] = {},
     source: str = "",
 ) -> MigratedRun:
     """Move a run that was cut short into a mission that has changed; nothing is started by this.
@@ -202,10 +199,9 @@ def _header(record: Record, naming: Naming, robot: Robot | None, to: Path) -> He
         "version": naming.was.version,
         "map": json.dumps(naming.map.written()),
     }
-    text = "" if naming.now.behaviours() else dump(naming.now)
     profile = dump_profile(robot) if robot is not None else ""
     return Header(
-        text,
+        journal_text(naming.now),
         profile,
         arguments,
         run=header.run,

@@ -15,7 +15,7 @@ from rai_missions.errors import UsageError, make_folder_of
 from rai_missions.event import Tick
 from rai_missions.journal import Header, Journal, make_way, writing_at
 from rai_missions.journal.sqlite import log_of
-from rai_missions.mission.files import dump
+from rai_missions.mission.files import journal_text
 from rai_missions.replay.play.play import Play
 
 __all__ = ("save",)
@@ -42,9 +42,8 @@ def save(play: Play, path: Path, *, replaces: bool = False) -> Path | None:
     with writing_at(path):
         make_folder_of(path)
     part = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
-    text = "" if mission.behaviours() else dump(mission)
     try:
-        with Journal.create(part, Header(text, versions=mission.packages(), played=True)) as journal:
+        with Journal.create(part, Header(journal_text(mission), versions=mission.packages(), played=True)) as journal:
             _write(play, journal)
         aside = None if replaces else make_way(path)
         with writing_at(path):
