@@ -43,7 +43,6 @@ __all__ = (
     "refuse",
 )  # fmt: skip
 
-NOTHING: Mapping[str, Any] = {}
 TimerKey = tuple[str, Any]
 """`after` and a transition's place, `timeout` and a state, or `raise` and the timer's id."""
 
@@ -140,7 +139,7 @@ class Timer(NamedTuple):
     due: float
     order: int
     name: str
-    data: Mapping[str, Any] = NOTHING
+    data: Mapping[str, Any] = {}
     control: str = ""
     """Who must have control for the state that set it; its time is stopped while that state is held."""
 

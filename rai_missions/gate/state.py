@@ -33,13 +33,12 @@ __all__ = (
 
 COMMANDERS: tuple[str, ...] = tuple(each for each in HOLDERS if each != "nobody")
 """Who can command the actuators while they hold control."""
-NOTHING: Mapping[str, Any] = {}
 
 
 class GateRules(NamedTuple):
     """What a gate is configured with before it begins."""
 
-    leases: Mapping[str, float] = NOTHING
+    leases: Mapping[str, float] = {}
     """Holder → seconds of silence after which it loses control; one that is not here may be silent for ever."""
     safe: str = "autonomy"
     """Who has control when the holder falls silent: `autonomy` or `nobody`."""
@@ -156,15 +155,15 @@ class Gate(NamedTuple):
     """The last instant that it knows of."""
     published: float = -math.inf
     """When the status was last reported."""
-    alive: Mapping[str, float] = NOTHING
+    alive: Mapping[str, float] = {}
     """Who → its last sign of life: a command, refused or not, or a heartbeat."""
-    commanded: Mapping[str, float] = NOTHING
+    commanded: Mapping[str, float] = {}
     """Who → its last command."""
-    passed: Mapping[str, int] = NOTHING
+    passed: Mapping[str, int] = {}
     """Who → its commands that were passed on."""
-    refused: Mapping[str, int] = NOTHING
+    refused: Mapping[str, int] = {}
     """Who → its commands that did not."""
-    requests_refused: Mapping[str, int] = NOTHING
+    requests_refused: Mapping[str, int] = {}
     """Who → its requests for control that were not granted."""
     last_refusal: str = ""
     """Who was refused last, and why."""

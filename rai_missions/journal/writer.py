@@ -41,7 +41,6 @@ FIRST_MARK = 100_000_000
 """A journal that has so many bytes is mentioned in the log, and again at ten times as many."""
 LOOK_ROWS = 100
 """Its size is looked at once in so many rows."""
-NO_PICTURES: Mapping[str, Image] = {}
 LAST = "SELECT number, hash FROM rows ORDER BY number DESC LIMIT 1"
 Witness = Callable[[Raw, tuple[Blob, ...]], None]
 """Is notified of each row once it is written, with the pictures that came with it; must return at once, and never
@@ -247,7 +246,7 @@ class Journal:
             self._is_new_log = False
             end_of_opening(database)
 
-    def _append(self, contents: Iterable[tuple[str, str]], pictures: Mapping[str, Image] = NO_PICTURES) -> int:
+    def _append(self, contents: Iterable[tuple[str, str]], pictures: Mapping[str, Image] = {}) -> int:
         """Write rows, all or none, and give the number of the last.
 
         Args:

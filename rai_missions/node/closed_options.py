@@ -18,7 +18,6 @@ from rai_missions.mission.mission import Mission
 
 __all__ = ("ClosedOptions",)
 
-NOTHING: Mapping[str, Any] = {}
 WORDS = {False: "this does not hold", None: "this is unknown"}
 
 
@@ -30,8 +29,8 @@ class FrozenView(NamedTuple):
     active: frozenset[str]
     entered: Mapping[str, float]
     held: Mapping[str, float]
-    event: Mapping[str, Any] = NOTHING
-    answer: Mapping[str, Any] = NOTHING
+    event: Mapping[str, Any] = {}
+    answer: Mapping[str, Any] = {}
 
     def named(self, name: str, arguments: Mapping[str, Any]) -> Truth:
         """Not asked: see the rule of this file."""

@@ -38,7 +38,6 @@ LONGEST_ID = 128
 LASTING = frozenset({"e_stop", "cancel", "post"})
 """Orders that are carried out however late they are taken."""
 LONGEST_NAME = 64
-NOTHING: Mapping[str, Any] = {}
 SOFTWARE = frozenset(HOLDERS) - {"operator"}
 """Names under which the software of a robot gives orders."""
 
@@ -63,15 +62,15 @@ class Command(NamedTuple):
     """Who wants it by their own word, for people; it grants nothing."""
     id: str = ""
     """The client's own; its reply carries it."""
-    arguments: Mapping[str, Any] = NOTHING
+    arguments: Mapping[str, Any] = {}
     to: str = ""
     question: int = 0
     run: str = ""
     """Whose question it is, where the client gives it: another run asks questions of the same numbers."""
     option: str = ""
-    parameters: Mapping[str, Any] = NOTHING
+    parameters: Mapping[str, Any] = {}
     event: str = ""
-    data: Mapping[str, Any] = NOTHING
+    data: Mapping[str, Any] = {}
     role: Origin = "person"
     """Whose it is, set by the door through which it came."""
 

@@ -24,12 +24,11 @@ from rai_missions.states.effects import Raise
 
 __all__ = ("actions_of", "commanded_names", "missing", "missing_tools", "missing_world")
 
-NOTHING: Mapping[str, str] = {}
 FITTING: Mapping[str, frozenset[str]] = {"integer": frozenset({"integer", "number"})}
 """What a source gives → the types of the keys that can take it, where that is more than its own."""
 
 
-def missing(mission: Mission, robot: Robot, *, remedies: Mapping[str, str] = NOTHING) -> tuple[Fault, ...]:
+def missing(mission: Mission, robot: Robot, *, remedies: Mapping[str, str] = {}) -> tuple[Fault, ...]:
     """What a profile lacks, or has wrongly, for a mission; nothing if the mission can run on the robot.
 
     Args:
@@ -96,7 +95,7 @@ def commanded_names(mission: Mission, robot: Robot) -> frozenset[str]:
     return frozenset(found - {""})
 
 
-def _lacks(sort: str, name: str, known: Mapping[str, Any], place: str, remedies: Mapping[str, str] = NOTHING) -> Fault:
+def _lacks(sort: str, name: str, known: Mapping[str, Any], place: str, remedies: Mapping[str, str] = {}) -> Fault:
     near = _shared(sort, name) or (suggestion(name, known) if known else "")
     remedy = f"; {remedies[sort].replace('{}', name)}" if sort in remedies else ""
     sentence = f"missing; the mission uses it at {place}{remedy + near or '; name what is behind it'}"

@@ -16,7 +16,6 @@ from rai_missions.prove.counts import Count
 __all__ = ("MISSING", "Choices", "OpenBoard", "OpenFields", "Payload")
 
 MISSING: Any = object()
-NOTHING: Mapping[str, Any] = {}
 _get = dict.get
 
 
@@ -231,7 +230,7 @@ class OpenBoard(AskedBoard):
         """Have it so, None for unknown."""
         dict.__setitem__(self, key, entry)
 
-    def refill(self, entries: Mapping[str, Any], others: Mapping[str, Any] = NOTHING) -> None:
+    def refill(self, entries: Mapping[str, Any], others: Mapping[str, Any] = {}) -> None:
         """Have these and no others; objects become its own."""
         dict.clear(self)
         dict.update(self, others)

@@ -24,8 +24,6 @@ __all__ = ("OpenedRun", "open_run")
 MAY_CHANGE = frozenset({"$schema", "name", "about", "connector", "identity", "rules"})
 """Of a profile: how the robot is reached and who answers, not what it receives and does."""
 
-NO_PROGRAMS: Mapping[str, str] = {}
-
 
 class OpenedRun(NamedTuple):
     """A run that continues."""
@@ -42,7 +40,7 @@ def open_run(
     mission: Mission | None = None,
     robot: Robot | None = None,
     named: Predicates | None = None,
-    programs: Mapping[str, str] = NO_PROGRAMS,
+    programs: Mapping[str, str] = {},
 ) -> OpenedRun:
     """Read a run that was cut short.
 
