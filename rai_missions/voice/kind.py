@@ -6,7 +6,8 @@ Rule: one of them is loaded in the process that holds it, and nowhere else. It i
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from inspect import Parameter, signature
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, Protocol
 
@@ -86,6 +87,7 @@ VOICES: Mapping[str, str] = {
 }
 EARS: Mapping[str, str] = {"ear": "rai_missions.voice.ear:open_ear"}
 PROTOCOLS: Mapping[SpeechSort, type[Any]] = {"recogniser": Recogniser, "voice": Voice, "ear": FrameReader}
+VARIADIC = (Parameter.VAR_POSITIONAL, Parameter.VAR_KEYWORD)
 OURS: Mapping[SpeechSort, Mapping[str, str]] = {"recogniser": RECOGNISERS, "voice": VOICES, "ear": EARS}
 
 
@@ -110,8 +112,20 @@ def opened(sort: SpeechSort, name: str, options: Mapping[str, Any]) -> Any:
             lacks a method.
     """
     offer = known(sort, name)
-    try:
-        held = offer.load()(**options)
-    except TypeError as error:
-        raise UsageError(f"the {sort} '{name}' does not open with {dict(options)} ({error})") from error
+    opener = offer.load()
+    with offer.opening():
+        if why := _option_fault(opener, options):
+            raise UsageError(f"the {sort} '{name}' {why}")
+        held = opener(**options)
     return offer.keeping(PROTOCOLS[sort], held)
+
+
+def _option_fault(opener: Callable[..., Any], options: Mapping[str, Any]) -> str:
+    """Why it does not take the options; empty if it does."""
+    takes = signature(opener).parameters
+    free = any(each.kind is each.VAR_KEYWORD for each in takes.values())
+    if unknown := [] if free else sorted(options.keys() - takes.keys()):
+        return f"has no option '{unknown[0]}'{suggestion(unknown[0], takes)}"
+    needed = [name for name, each in takes.items() if each.default is each.empty and each.kind not in VARIADIC]
+    lacking = next((name for name in needed if name not in options), "")
+    return f"needs a value for its option '{lacking}'" if lacking else ""

@@ -12,6 +12,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rai_missions.connectors.process.frames import read_frame, write_frame
+from rai_missions.redaction import cut, cut_repr
+from rai_missions.voice.kind import Reading, opened
 
 __all__ = ("work",)
 
@@ -26,9 +28,6 @@ def work(request_fd: int, reply_fd: int) -> None:
         return
     order = first[0]
     sys.path[:] = order["path"]
-    from rai_missions.redaction import cut
-    from rai_missions.voice.kind import opened
-
     try:
         held = opened(order["sort"], order["name"], order["options"])
     except BaseException as error:  # noqa: BLE001 - whatever a package raises, it is not there
@@ -46,6 +45,8 @@ def work(request_fd: int, reply_fd: int) -> None:
 
 def _transcribe(held: Any, message: Mapping[str, Any], blobs: Sequence[bytes], _: int) -> dict[str, Any]:
     reading = held.transcribe(blobs[0], message["phrases"])
+    if not isinstance(reading, Reading):
+        raise TypeError(f"what it makes of sound is a Reading, not {cut_repr(reading, 60)}")
     kept = {name: dict(getattr(reading, name)) for name in ("evidence", "guesses", "odds")}
     return {"text": reading.text, **kept}
 

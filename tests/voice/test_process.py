@@ -30,11 +30,13 @@ class Hostile:
         if what == "raise": raise ValueError("no words")
         if what == "\\0" * 32_000: Hostile.phrases = phrases
         if what == "phrases": what = repr(Hostile.phrases)
+        if what == "text": return "a text"
         if what == "babble": os.write(1, b"x" * 1000); print("noise")
         from rai_missions.voice.kind import Reading
         return Reading(what)
 def open_recogniser(mood=""):
     if mood == "mute": return 7
+    if mood == "broken": return mood + 7
     if mood == "absent": raise ImportError("no such weights")
     return Hostile()
 """
@@ -90,6 +92,7 @@ def test_one_that_ends_or_hangs_is_named_and_started_again(
 def test_one_that_raises_or_babbles_stays(recogniser: tuple[SpeechProcess, Inbox[str], Asked]) -> None:
     process, faults, ask = recogniser
     assert ask("raise").fault == "the recogniser 'hostile' failed (ValueError: no words)"
+    assert ask("text").fault.endswith("failed (TypeError: what it makes of sound is a Reading, not 'a text')")
     assert ask("babble").data["text"] == "babble"
     assert (process.restarts, faults.all) == (0, [])
 
@@ -121,9 +124,9 @@ def test_one_that_cannot_be_opened_is_absent_with_its_reason(package: None) -> N
     process = SpeechProcess("recogniser", "hostile", {"mood": "absent"})
     process.open()
     assert not process.wait_ready(30)
-    assert process.absent == "no such weights"
+    assert process.absent.endswith("of hostile-words 1.0 cannot be opened (ImportError: no such weights)")
     reply, _ = process.ask_and_wait({"do": "transcribe", "phrases": []}, (b"x",))
-    assert reply.fault.endswith("no such weights")
+    assert "no such weights" in reply.fault
     assert time.monotonic() - began < 30
     process.close()
 
@@ -132,7 +135,12 @@ def test_one_that_cannot_be_opened_is_absent_with_its_reason(package: None) -> N
     ("name", "options", "why"),
     [
         ("whispr", {}, "no recogniser 'whispr' is known; did you mean 'whisper'?"),
-        ("hostile", {"speed": 1}, "the recogniser 'hostile' does not open with {'speed': 1}"),
+        ("hostile", {"moood": "calm"}, "the recogniser 'hostile' has no option 'moood'; did you mean 'mood'?"),
+        (
+            "hostile",
+            {"mood": "broken"},
+            "the recogniser 'hostile' of hostile-words 1.0 cannot be opened (TypeError: can only concatenate",
+        ),
         (
             "hostile",
             {"mood": "mute"},
