@@ -4,15 +4,16 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from collections.abc import Set as AbstractSet
+from typing import Any
 
 from rai_missions.conversation import Settings
 from rai_missions.conversation.language import language, languages
 from rai_missions.conversation.phrases import Phrases
 from rai_missions.conversation.start_phrases import SLOT, arguments_of
 from rai_missions.errors import DefinitionError, Fault, MissionError, UsageError, pointer, suggestion
-from rai_missions.keys import Key
+from rai_missions.keys import Key, type_error
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import ConversationPolicy, Robot
 
@@ -49,8 +50,8 @@ def conversation_faults(robot: Robot, mission: Mission | None = None) -> tuple[F
         return ()
     if of_language := _language_faults(policy.language):
         return of_language
-    takes = {name for name, key in mission.blackboard.items() if key.source == "argument"} if mission else set[str]()
-    found = list[Fault]()
+    keys = _arguments(mission)
+    takes, found = keys.keys(), list[Fault]()
     for phrase, arguments in policy.phrases.items():
         place = pointer(("conversation", "phrases", phrase))
         compiled = _compiled(phrase, policy, place)
@@ -58,9 +59,14 @@ def conversation_faults(robot: Robot, mission: Mission | None = None) -> tuple[F
             found.append(compiled)
             continue
         found += _argument_faults(arguments_of(compiled.slots, arguments), takes, place)
+        found += _value_faults(arguments, keys, place)
     for text, arguments in policy.spoken.items():
         place = pointer(("conversation", "spoken", text))
         found += _argument_faults(arguments_of(frozenset(SLOT.findall(text)), arguments), takes, place)
+        found += _value_faults(arguments, keys, place)
+    for name, values in policy.names.items():
+        for words, value in values.items():
+            found += _value_faults({name: value}, keys, pointer(("conversation", "names", name, words)))
     return (*found, *_question_faults(policy, mission))
 
 
@@ -75,6 +81,19 @@ def _language_faults(code: str) -> tuple[Fault, ...]:
     except MissionError as error:
         return (Fault("/conversation/language", str(error)),)
     return ()
+
+
+def _arguments(mission: Mission | None) -> Mapping[str, Key]:
+    """The arguments that a mission takes."""
+    blackboard = mission.blackboard if mission is not None else {}
+    return {name: key for name, key in blackboard.items() if key.source == "argument"}
+
+
+def _value_faults(given: Mapping[str, Any], keys: Mapping[str, Key], place: str) -> Iterator[Fault]:
+    """The values that the mission's arguments refuse; what quotes the sentence is a text."""
+    for name, value in given.items():
+        if name in keys and (why := type_error(keys[name], value, written=True)):
+            yield Fault(place, f"the argument '{name}': {why}")
 
 
 def _argument_faults(gives: AbstractSet[str], takes: AbstractSet[str], place: str) -> Iterator[Fault]:
@@ -119,12 +138,38 @@ def _paths(policy: ConversationPolicy) -> Iterator[tuple[str, str]]:
 
 
 def conversation_oddities(robot: Robot, mission: Mission) -> Iterator[Fault]:
-    """Keys that are named to be spoken, and that the mission has under a name that only resembles it.
+    """What is never used: keys and arguments that the mission has under a name that only resembles them, among others.
 
     They may be of another mission of the robot, so they are no faults.
     """
-    keys = mission.blackboard
-    for place, path in _paths(robot.conversation or ConversationPolicy()):
-        name = path.partition(".")[0]
-        if name not in keys and (close := difflib.get_close_matches(name, keys, n=1, cutoff=0.75)):
-            yield Fault(place, f"the mission has no key '{name}', so it is never spoken; did you mean '{close[0]}'?")
+    policy, keys = robot.conversation or ConversationPolicy(), mission.blackboard
+    if policy.hri_below and not policy.hri:
+        yield Fault("/conversation/hri_below", 'without "hri": true no topic is opened there')
+    for place, path in _paths(policy):
+        if close := _resembling(name := path.partition(".")[0], keys):
+            yield Fault(place, f"the mission has no key '{name}', so it is never spoken; did you mean '{close}'?")
+    takes = _arguments(mission).keys()
+    for place, gives in _given(policy):
+        for name in sorted(gives) if takes.isdisjoint(gives) else ():
+            if close := _resembling(name, takes):
+                yield Fault(
+                    place, f"the mission takes no argument '{name}', so it is not used; did you mean '{close}'?"
+                )
+
+
+def _resembling(name: str, known: Collection[str]) -> str:
+    """The known name that was probably meant; empty where the name is known, or none resembles it."""
+    close = difflib.get_close_matches(name, known, n=1, cutoff=0.75) if name not in known else []
+    return close[0] if close else ""
+
+
+def _given(policy: ConversationPolicy) -> Iterator[tuple[str, AbstractSet[str]]]:
+    """Where arguments are given, or have words of their own, and which; phrases that cannot be read are left out."""
+    for phrase, arguments in policy.phrases.items():
+        place = pointer(("conversation", "phrases", phrase))
+        if not isinstance(compiled := _compiled(phrase, policy, place), Fault):
+            yield place, arguments_of(compiled.slots, arguments)
+    for text, arguments in policy.spoken.items():
+        yield pointer(("conversation", "spoken", text)), arguments_of(frozenset(SLOT.findall(text)), arguments)
+    for name in policy.names:
+        yield pointer(("conversation", "names", name)), {name}

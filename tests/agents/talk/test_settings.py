@@ -41,6 +41,18 @@ FAULTS = {
         {"spoken": {"go to the {plce}": {"task": "go"}}},
         "/conversation/spoken/go to the {plce}: the mission takes no argument 'plce'; it takes: task",
     ),
+    "value": (
+        {"phrases": {"find something": {"task": 3}}},
+        "/conversation/phrases/find something: the argument 'task': 3 is not of type 'string'",
+    ),
+    "value of a name": (
+        {"names": {"task": {"search": True}}},
+        "/conversation/names/task/search: the argument 'task': true is not of type 'string'",
+    ),
+    "value read back": (
+        {"spoken": {"find it": {"task": ["find"]}}},
+        "/conversation/spoken/find it: the argument 'task': [\"find\"] is not of type 'string'",
+    ),
 }  # fmt: skip
 
 
@@ -89,6 +101,29 @@ def test_a_key_that_resembles_one_of_the_mission_is_warned_of(
     assert main(["check", str(mission), "--robot", str(robot)]) == 0
     why = "warning: the mission has no key 'sean', so it is never spoken; did you mean 'seen'?"
     assert f"{robot}: /conversation/{place}: {why}\n" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "place"),
+    [
+        ({"phrases": {"do {tsk}": {}}}, "phrases/do {tsk}"),
+        ({"spoken": {"{tsk} it": {}}}, "spoken/{tsk} it"),
+        ({"names": {"tsk": {"search": "find"}}}, "names/tsk"),
+    ],
+    ids=["phrases", "spoken", "names"],
+)
+def test_an_argument_that_resembles_one_of_the_mission_is_warned_of(words: dict[str, Any], place: str) -> None:
+    robot = Robot(name="bench", conversation=ConversationPolicy(**words))
+    why = "the mission takes no argument 'tsk', so it is not used; did you mean 'task'?"
+    assert [*map(str, conversation_oddities(robot, Mission.model_validate(MISSION)))] == [
+        f"/conversation/{place}: {why}"
+    ]
+
+
+def test_a_place_for_topics_that_are_not_opened_is_warned_of() -> None:
+    robot = Robot(name="bench", conversation=ConversationPolicy(hri_below="/alpha"))
+    (odd,) = conversation_oddities(robot, Mission.model_validate(MISSION))
+    assert str(odd) == '/conversation/hri_below: without "hri": true no topic is opened there'
 
 
 @pytest.mark.parametrize("name", ["sim", "ros2"])
