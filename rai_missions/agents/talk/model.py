@@ -7,6 +7,7 @@ it came; whether it is one, and counts, the dialogue decides.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
@@ -36,6 +37,8 @@ from rai_missions.plain_data import json_object
 from rai_missions.redaction import Redaction, cut, first_line
 
 __all__ = ("LookTools", "OnModelText", "TalkModel")
+
+log = logging.getLogger(__name__)
 
 OnModelText = Callable[[ModelText], None]
 """Receives the model's text, from any thread; the last one has `is_end`."""
@@ -97,7 +100,13 @@ class TalkModel:
         """
         seconds = max(0.5, request.until - request.at)
         question = Question(request.number, "conversation", "agent", request.text, (), budget=Limits(seconds=seconds))
-        pending = PendingQuestion(question, lambda answer: on_text(_model_text(request.number, answer)))
+
+        def receive(answer: Mapping[str, Any]) -> None:
+            if why := answer.get("failed"):
+                log.warning("the model gave no reply: %s", cut(why, 300))
+            on_text(_model_text(request.number, answer))
+
+        pending = PendingQuestion(question, receive)
         late = {"failed": f"no answer within {seconds:g} s"}
         answer_of = partial(self._answer, request, view, pending)
         self._sentences.begin(pending, answer_of, lambda: pending.reply(late), waits=True)

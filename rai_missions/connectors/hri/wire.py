@@ -21,6 +21,8 @@ from rai_missions.redaction import shown
 __all__ = ("TYPE", "message_from_data", "message_to_data")
 
 TYPE = "rai_interfaces/msg/HRIMessage"
+FIELDS = frozenset(("text", "images", "audios", "communication_id"))
+"""What has none of these is of another form; taken with its defaults it would be an empty message."""
 
 
 def message_to_data(message: HRIMessage) -> dict[str, Any]:
@@ -51,6 +53,8 @@ def message_from_data(data: Data, author: Author, place: str = "") -> HRIMessage
         ConnectorError: A field is at fault; the sentence names it and the topic.
     """
     try:
+        if data.keys().isdisjoint(FIELDS):
+            raise UsageError(f'{shown(dict(data))} has no field of a message; write {{"text": …}}')
         header = _mapping("header", data.get("header") or {})
         return HRIMessage(
             data.get("text", ""),

@@ -238,7 +238,9 @@ def test_who_interrupts_a_slow_model_has_the_last_sentence_answered() -> None:
 
 
 @pytest.mark.parametrize("fault", [RuntimeError, SystemExit, MemoryError])
-def test_a_model_that_fails_leaves_the_conversation_as_it_is(fault: type[BaseException]) -> None:
+def test_a_model_that_fails_leaves_the_conversation_as_it_is(
+    fault: type[BaseException], caplog: pytest.LogCaptureFixture
+) -> None:
     def fail() -> None:
         raise fault
 
@@ -246,6 +248,7 @@ def test_a_model_that_fails_leaves_the_conversation_as_it_is(fault: type[BaseExc
         running(talk)
         talk.order("I would like a story about the moon")
         assert talk.screen.until(lambda line: line.way == "unknown").text.startswith("The model gave no reply.")
+        assert f"the model gave no reply: the model raised {fault.__name__}" in caplog.text
         assert "moves to the shed" in talk.ask("what are you doing?").text
 
 

@@ -67,6 +67,14 @@ def test_whatever_comes_is_a_message_or_an_error_that_names_the_topic(data: dict
     assert not why or why.startswith("/from_human: ")
 
 
+def test_what_has_no_field_of_a_message_is_none() -> None:
+    """A client over MQTT that misspells `text` learns of it: its "stop" would be an empty sentence."""
+    with pytest.raises(ConnectorError) as refused:
+        message_from_data({"txt": "stop"}, "human", "/from_human")
+    assert str(refused.value) == '/from_human: {"txt": "stop"} has no field of a message; write {"text": …}'
+    assert message_from_data({"communication_id": "7", "seq_end": True}, "human").text == ""
+
+
 def test_a_message_has_no_role() -> None:
     assert not any("role" in name for name in HRIMessage.__slots__)
 
