@@ -146,7 +146,7 @@ class WatchedAgent:
             stated = AgentHealth(
                 "died", f"it cannot report how it fares: {type(error).__name__}: {cut(in_words(error), 200)}"
             )
-        no_health = AgentHealth("died", f"it reports {cut_repr(stated, 100)}, which is no health")
+        no_health = AgentHealth("died", f"it reports {cut_repr(stated, 100)}; {HEALTH}")
         found = stated if isinstance(stated, AgentHealth) and _is_health(stated) else no_health
         self._asked_at = None
         if self._health.state == "running" and found.state != "ready":
@@ -189,6 +189,9 @@ class WatchedAgent:
 def _stop(what: Agent | Connector) -> None:
     """Stop it; whether it can be stopped at all is found here, where what it raises is caught."""
     what.stop()
+
+
+HEALTH = f"health is an AgentHealth whose state is one of {', '.join(STATES)}"
 
 
 def _is_health(stated: AgentHealth) -> bool:

@@ -321,7 +321,10 @@ def test_what_an_agent_states_of_itself_harms_no_other(tmp_path: Path) -> None:
         return {each["name"]: each["level"] for each in message.data["status"]}
 
     inbox.wait(lambda all_: any(levels(each).get("agents: flies") == 2 for each in all_), "all are still published")
-    assert runner.agents["none"] == AgentHealth("died", "it reports None, which is no health")
+    assert runner.agents["none"] == AgentHealth(
+        "died",
+        "it reports None; health is an AgentHealth whose state is one of ready, running, ended, died, stopped, hangs",
+    )
     assert runner.agents["leaves"] == AgentHealth("died", "it cannot report how it fares: SystemExit: 3")
     runner.stop()
     assert {name: health.state for name, health in runner.agents.items()} == {

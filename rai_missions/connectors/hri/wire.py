@@ -21,7 +21,7 @@ from rai_missions.redaction import shown
 __all__ = ("TYPE", "message_from_data", "message_to_data")
 
 TYPE = "rai_interfaces/msg/HRIMessage"
-FIELDS = frozenset(("text", "images", "audios", "communication_id"))
+FIELDS = frozenset(("text", "images", "audios", "communication_id", "seq_no", "seq_end"))
 """What has none of these is of another form; taken with its defaults it would be an empty message."""
 
 
