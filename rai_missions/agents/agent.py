@@ -13,7 +13,7 @@ from typing import Literal, NamedTuple, Protocol, TypeGuard, runtime_checkable
 from rai_missions.connectors.connector import Connector
 
 __all__ = (
-    "Agent", "AgentHealth", "HasConnectors", "ReportsHealth", "StopsSlowly", "reports_health", "why_no_agent",
+    "Agent", "AgentHealth", "HasConnectors", "ReportsHealth", "StopsSlowly", "lacks", "reports_health", "why_no_agent",
 )  # fmt: skip
 
 NOTHING: Mapping[str, str] = {}
@@ -50,13 +50,16 @@ class Agent(Protocol):
         """
 
 
+def lacks(given: object, name: str) -> bool:
+    """Whether something has no such member; a property that it has is not evaluated."""
+    return getattr_static(given, name, None) is None and not hasattr(given, name)
+
+
 def why_no_agent(given: object) -> str:
     """Why something cannot be run and stopped; empty where it can. No property of it is evaluated, if it has one."""
     if isinstance(given, type):
         return f"{given.__name__} is a class; give an agent of it, {given.__name__}(…)"
-    absent = [
-        name for name in ("run", "stop") if getattr_static(given, name, None) is None and not hasattr(given, name)
-    ]
+    absent = [name for name in ("run", "stop") if lacks(given, name)]
     return f"{type(given).__name__} has no '{absent[0]}'; an agent has run() and stop()" if absent else ""
 
 

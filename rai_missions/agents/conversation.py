@@ -12,7 +12,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from rai_missions.agents.agent import AgentHealth
 from rai_missions.agents.talk.attached_run import AttachedRun
@@ -46,9 +46,10 @@ from rai_missions.conversation.language import language
 from rai_missions.conversation.senses import STOP
 from rai_missions.embodiment.library import Library
 from rai_missions.engine.step import Step
+from rai_missions.errors import UsageError, suggestion
 from rai_missions.event import Role
 from rai_missions.planning.text.normalise import LONGEST
-from rai_missions.redaction import cut, logger, redacted
+from rai_missions.redaction import cut, logger, redacted, shown
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Runner
 
@@ -62,6 +63,7 @@ LONGEST_STOP = 200
 MOST_WAITING = 64
 """Sentences that may wait for their turn."""
 SETTINGS, NO_ROBOT = Settings(), RobotWords()
+ROLES = get_args(Role)
 StartRun = Callable[[Order, OnOrderEnd], None]
 """Begins another run, once one is over."""
 
@@ -78,6 +80,9 @@ class ConversationalAgent:
         start: Begins another run where one is over and a person orders so, at once or from those that wait, and takes
             back by "stop" what it has not begun; None: then that is refused, and none waits.
         now: The dialogue's clock, in seconds; the wall's by default.
+
+    Raises:
+        UsageError: One of these is of another sort, or there is no such language.
     """
 
     def __init__(
@@ -91,6 +96,7 @@ class ConversationalAgent:
         start: StartRun | None = None,
         now: Callable[[], float] | None = None,
     ) -> None:
+        _check_sorts(settings, model, library, doors)
         requests = settings.requests if start is not None else "refuse"
         self._settings = settings._replace(
             has_model=model is not None, has_documents=library is not None, requests=requests
@@ -232,7 +238,14 @@ class ConversationalAgent:
             readings: Of a spoken one each recogniser's transcription.
             message_id: The message's, if it has one.
             waited_s: For how long it has waited at the door: it is no answer to what was shown meanwhile.
+
+        Raises:
+            UsageError: There is no such role, or the sentence is no text.
         """
+        if role not in ROLES:
+            raise UsageError(f"no role {shown(role)}{suggestion(str(role), ROLES)}")
+        if not isinstance(text, str):
+            raise UsageError(f"a sentence is a text, not {shown(text)}")
         if len(text) > LONGEST:  # no rule reads the rest
             return f"a sentence has at most {LONGEST} characters, not {len(text)}"
         if not text.strip():
@@ -437,3 +450,19 @@ class ConversationalAgent:
 
     def _failed(self, error: BaseException) -> Any:
         log.error("the conversation met an error and continues: %s: %s", type(error).__name__, error, exc_info=error)
+
+
+def _check_sorts(settings: object, model: object, library: object, doors: object) -> None:
+    """Hold what a program gives to its sort, of which the first sentence would learn otherwise.
+
+    Raises:
+        UsageError: One is of another.
+    """
+    if not isinstance(settings, Settings):
+        raise UsageError(f"settings are Settings(…) or settings_of(profile.conversation), not {shown(settings)}")
+    if model is not None and not isinstance(model, TalkModel):
+        raise UsageError(f"a model is TalkModel(model), not {shown(model)}")
+    if library is not None and not isinstance(library, Library):
+        raise UsageError(f"a library is that of an identity, Identity.read(FOLDER).library, not {shown(library)}")
+    if not isinstance(doors, Sequence):
+        raise UsageError(f"doors are a list, [door], not {shown(doors)}")

@@ -12,8 +12,10 @@ from typing import Any, Literal, get_type_hints
 from pydantic import BaseModel, ConfigDict, create_model
 
 from rai_missions.conversation.inputs import DocumentQuote, RefusalKind, SpeechResult
+from rai_missions.conversation.outputs import Order
 from rai_missions.conversation.settings import Settings
 from rai_missions.conversation.view import BuildView, KeyView, MissionView, ProgressView, RunEvent, StatusView
+from rai_missions.engine.modes import Mode
 from rai_missions.event import Role
 from rai_missions.profile.conversation import NamedPlace
 
@@ -70,6 +72,7 @@ QUESTION = _model(
 VIEW = _parts(
     "View",
     StatusView,
+    mode=Mode | Literal[""],
     keys=KEYS,
     build=_parts("Build", BuildView) | None,
     question=QUESTION | None,
@@ -94,10 +97,13 @@ REPLY = _model(
     end=(bool, True),
     failed=(str, ""),
 )
+OF_SPEECH = ("speech", "way", "priority", "to", "report", "uncut", "repeated")
+OTHERS = ("order", "asks_model", "looks_up", "drops_model", "silence")
+EXPECTED = _model("Output", **dict.fromkeys((*OF_SPEECH, *OTHERS, *Order._fields), (Any, None)))
 TURN = _model(
     "Turn",
     at=(float, ...),
-    expect=(_listed(OBJECT), ()),
+    expect=(_listed(EXPECTED), ()),
     person=(str, ""),
     role=(Role, ""),
     channel=(str, ""),

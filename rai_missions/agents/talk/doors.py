@@ -7,16 +7,16 @@ Rule: a door sets the role of all that comes through it. A door that is shut cou
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Literal, NamedTuple, Protocol
 
-from rai_missions.agents.agent import reports_health
+from rai_missions.agents.agent import lacks, reports_health
 from rai_missions.conversation import Speech
 from rai_missions.conversation.inputs import SpeechResult
 from rai_missions.conversation.outputs import Priority, Way
-from rai_missions.errors import in_words
+from rai_missions.errors import UsageError, in_words
 from rai_missions.event import Role
-from rai_missions.redaction import cut, logger
+from rai_missions.redaction import cut, logger, shown
 
 __all__ = ("OnSpoken", "TakesSentence", "TalkDoor", "TalkDoors", "TalkLine", "TextDoor")
 
@@ -88,6 +88,10 @@ class TalkDoor(Protocol):
         """A line of the conversation, of anyone; one that came before with its number replaces that. Never waits."""
 
 
+DOOR = tuple(sorted(each for each in vars(TalkDoor) if not each.startswith("_")))
+"""What a door has."""
+
+
 class TextDoor:
     """A door at which text is shown: it is read as soon as it is there.
 
@@ -127,12 +131,24 @@ class TalkDoors:
 
     Args:
         doors: Each has a channel of its own.
+
+    Raises:
+        UsageError: One is no door.
     """
 
     def __init__(self, doors: Sequence[TalkDoor] = ()) -> None:
-        self._doors = {door.channel: door for door in doors}
+        self._doors: Mapping[str, TalkDoor] = {}
+        for door in doors:
+            self.add(door)
 
     def add(self, door: TalkDoor) -> None:
+        """Have one more; another of its channel is replaced.
+
+        Raises:
+            UsageError: It is no door.
+        """
+        if absent := next((each for each in DOOR if lacks(door, each)), ""):
+            raise UsageError(f"{shown(door)} is no door: it lacks '{absent}'; a door has {', '.join(DOOR)}")
         self._doors = {**self._doors, door.channel: door}
 
     @property
