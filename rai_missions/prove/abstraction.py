@@ -29,7 +29,7 @@ from rai_missions.prove.counts import Count
 from rai_missions.prove.instruments import Instruments
 from rai_missions.prove.liveness import ALL, Later, LiveReads, LooksAhead
 from rai_missions.prove.nondeterminism import OpenFields, Payload
-from rai_missions.prove.open_rounds import OpenRounds, Round
+from rai_missions.prove.open_rounds import MORE, OpenRounds, Round
 from rai_missions.prove.open_world import NOW, OpenWorld
 from rai_missions.prove.parts import guards_in, writes_in
 from rai_missions.prove.passed_nodes import ForgetsNodes, PassedNodes
@@ -68,6 +68,12 @@ class Abstraction:
         answers = {name for name, key in mission.blackboard.items() if key.source == "answer"}
         self._given = world.open_keys | world.facts | copies | answers
         """Keys that may hold a list that the mission has not written itself."""
+        self._lists = {
+            name: state.each.partition(".")[0]
+            for _, name, state in mission.walk()
+            if isinstance(state, Each) and self._is_alone(state.each)
+        }
+        """`each` → the key that has its list, where that can be any list, and no guard or other key has it."""
         timed = guards_in((mission, facts.succeeded, facts.failed))
         self._longest_s = max((max(each.age_s or 0.0, each.held_s) for each in timed), default=0.0)
         """The longest that any guard looks back."""
@@ -89,7 +95,7 @@ class Abstraction:
             "deadline": _soon,
             "goals": _rest_goals,
             "activities": self._rest_activities,
-            "rounds": _rest_rounds,
+            "rounds": self._rest_rounds,
             "lists": _rest_lists,
         }
         self._rests = [(each.name, rests[each.holds]) for each in TABLE if each.holds in rests]
@@ -113,6 +119,12 @@ class Abstraction:
     def restless(self) -> list[str]:
         """The states whose trees rest only because they have gone round as often as a step allows."""
         return [name for name, activity in self._chart.state.running.items() if limit_of(activity) == "writes"]
+
+    def _is_alone(self, path: str) -> bool:
+        """Whether a list can be any, and is found nowhere but there."""
+        learned = self._world.values.learned
+        is_open = path.partition(".")[0] in self._world.open_keys
+        return is_open and len(learned.kin_of(path)) == 1 and not learned.atoms.get(path)
 
     # -- what is looked at ----------------------------------------------------------------------------------------
 
@@ -203,6 +215,17 @@ class Abstraction:
             name: self._without_passed(name, rested(each, machines[name], self._longest_s, view))
             for name, each in running.items()
         }
+
+    def _rest_rounds(self, rounds: OpenRounds) -> OpenRounds:
+        """Without the items that are done, and without the next one where no one can look at it before its round."""
+        kept = self.later.roots
+        for name, (items, index) in list(rounds.entries()):
+            left = items[index:]
+            if len(left) == 2 and name in self._lists and self._lists[name] not in kept:
+                left = left[0], MORE
+            if left != items:
+                rounds[name] = left, 0
+        return rounds
 
     def _without_passed(self, name: str, activity: Any) -> Any:
         """A machine's state without what its tree remembers of nodes that it has passed."""
@@ -314,15 +337,22 @@ class Abstraction:
         Args:
             state: The run.
             node: The `each` that goes over it.
-            is_new: Another item may lead to more than the items before.
+            is_new: What this round and those after it lead to may not have been tried yet.
         """
         items, index = state.rounds[node.name]
         assert isinstance(node.state, Each)
         path, choices = node.state.each, self._world.choices
-        is_given = path.split(".")[0] in self._given
-        if 0 < index == len(items) - 1 and is_given and is_new(state, node) and choices.choose(2):
-            state.rounds[node.name] = ((*items, choices.pick(self._world.values.item(path))), index)
+        is_open = items[index:] == (MORE,)
+        if not is_open and not (0 < index == len(items) - 1 and path.split(".")[0] in self._given):
+            return
+        is_first = is_new(state, node)
+        if is_open:
+            known = self._world.values.item(path)
+            items = (*items[:index], known[choices.choose(len(known) if is_first else 1)])
+        if choices.choose(2 if is_first else 1):
+            items = (*items, MORE)
             self._instruments.lengthened.add(node.name)
+        state.rounds[node.name] = items, index
 
 
 # -- what waits -------------------------------------------------------------------------------------------------------
@@ -344,11 +374,6 @@ def _rest_goals(goals: dict[int, Goal]) -> dict[int, Goal]:
     return {
         number: goal if goal.until in (SOON, math.inf) else goal._replace(until=SOON) for number, goal in goals.items()
     }
-
-
-def _rest_rounds(rounds: OpenRounds) -> OpenRounds:
-    rounds.rest()
-    return rounds
 
 
 def _rest_lists(lists: dict[tuple[str, str], Round]) -> dict[tuple[str, str], Round]:

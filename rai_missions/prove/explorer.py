@@ -282,6 +282,7 @@ class Space(StateGraph):
         footprint = NOTHING
         chosen: tuple[int, ...] | None = ()
         keeps = self._has_stores or here.spot is not None
+        self.environment.choices.forget_ways()
         while chosen is not None:
             ways = before.ways.get(chosen)
             made = ways.find(store, view) if ways is not None else None
@@ -289,7 +290,7 @@ class Space(StateGraph):
                 made, work = self._maker.make(here, scene, chosen)
                 self.meter.work += work
                 self.made += 1
-                if keeps:
+                if keeps and not self.environment.choices.rests_on_others:
                     known = before.ways.setdefault(chosen, CaseTable())
                     known.add(self._stores.question(made.asked), store, made, view)
             steps += 1

@@ -17,6 +17,7 @@ from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.transitions import Graph
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.parts import parts, texts_in
+from rai_missions.states.compound import Each
 from rai_missions.states.effects import Effect, Set
 from rai_missions.states.state import State
 from rai_missions.states.tree.leaves import ActionLeaf
@@ -117,6 +118,7 @@ class LiveReads:
         self._always = self._keys if reads_all else frozenset(self._mentions(given))
         self._graph = graph
         self._entered: dict[Node, frozenset[Node]] = {}
+        self._on_entry = {node: self._read_on_entry(node) for node in graph.order}
         self._live = {node: self._of_state(node) for node in graph.order}
         self._rewritten = {node for node in graph.order if node.is_history and self._is_rewritten(node)}
         self._flee = graph.nodes[mission.on_cancel] if mission.on_cancel is not None else None
@@ -183,15 +185,21 @@ class LiveReads:
     # -- what each state reads ------------------------------------------------------------------------------------
 
     def _of_state(self, node: Node) -> frozenset[str]:
-        """What a state itself looks at while it is active, on entry and on exit; not its transitions."""
+        """What a state itself looks at while it is active and on exit; not its transitions."""
         if node.state is None:
             return frozenset()
-        fields = {*type(node.state).model_fields} - {"states", "parallel", "transitions", "entry", "exit"}
+        fields = {*type(node.state).model_fields} - {"states", "parallel", "transitions", "entry", "exit", "each"}
         own = [getattr(node.state, field) for field in sorted(fields)]
         actions = {getattr(node.state, "action", ""), *(leaf.action for leaf in parts(own, ActionLeaf))} - {""}
         looked = self._worked_with(node.state, fields) if node.state.computed() else self._mentions(own)
-        done = self._reads_of((*node.state.entry, *node.state.exit))
-        return frozenset({*looked, *done, *(START + action for action in actions)})
+        return frozenset({*looked, *self._reads_of(node.state.exit), *(START + action for action in actions)})
+
+    def _read_on_entry(self, node: Node) -> frozenset[str]:
+        """What a state looks at as it is entered, and not again before it is entered again."""
+        if node.state is None:
+            return NONE
+        listed = [node.state.each] if isinstance(node.state, Each) else []
+        return frozenset((*self._reads_of(node.state.entry), *self._mentions(listed)))
 
     def _worked_with(self, state: State, fields: Collection[str]) -> Iterator[str]:
         """What a state looks at that works a value out of others.
@@ -230,9 +238,9 @@ class LiveReads:
         for node in self._graph.order:
             found = self._live[node].union(*(self._once_entered(node, transition) for transition in node.transitions))
             if node.is_each:
-                found = found.union(*(self._live[each] for each in self._into(node.initial)))
+                found |= self._once_in(node.initial, (node, *node.ancestors))
             if node.state is None and self._flee is not None:
-                found = found.union(*(self._live[each] for each in self._into((self._flee,))))
+                found |= self._once_in((self._flee,))
             self._live[node] = found - {
                 RECALL + each.name for each in self._rewritten if each.parent is node or each.parent in node.ancestors
             }
@@ -261,9 +269,18 @@ class LiveReads:
             for effect in definition.do
             if isinstance(effect, Set) and effect.add is None and effect.source is None
         }
-        later = frozenset[str]().union(*(self._live[node] for node in self._into(transition.targets)))
+        targets = transition.targets
+        kept = [node for node in transition.source.ancestors if all(target.inside(node) for target in targets)]
+        later = self._once_in(targets, kept)
         recalled = {RECALL + target.name for target in transition.targets if target.is_history}
         return frozenset(reads | recalled) | {word for word in later if _root(word) not in written}
+
+    def _once_in(self, targets: Iterable[Node], kept: Collection[Node] = ()) -> frozenset[str]:
+        """What makes a difference once these are entered, where some states around them stay active."""
+        into = self._into(targets)
+        return frozenset[str]().union(
+            *(self._live[node] for node in into), *(self._on_entry[node] for node in into if node not in kept)
+        )
 
     def _into(self, targets: Iterable[Node]) -> set[Node]:
         """All that may be active once these are entered, with what was active before."""

@@ -26,10 +26,27 @@ class Choices:
         self._trail: list[int] = []
         self._sizes: list[int] = []
         self._at = 0
+        self._first: dict[str, tuple[int, ...]] = {}
+        """Place within a step → what the first way that came to it had chosen by then."""
+        self.rests_on_others = False
+        """The way in hand has left out what another way tries."""
+
+    def forget_ways(self) -> None:
+        """Another thing happens, or in another state: no way was gone yet."""
+        self._first.clear()
+
+    def is_first_at(self, place: str) -> bool:
+        """Whether no other way has come to a place: what can follow is tried on the first way to it."""
+        trail = self.trail
+        first = self._first.setdefault(place, trail)
+        is_first = trail[: len(first)] == first
+        self.rests_on_others |= not is_first
+        return is_first
 
     def begin(self, trail: Sequence[int] = ()) -> None:
         """Start with the first way, or along a given one."""
         self._trail, self._sizes, self._at = list(trail), [0] * len(trail), 0
+        self.rests_on_others = False
 
     def choose(self, many: int) -> int:
         """One of so many alternatives."""

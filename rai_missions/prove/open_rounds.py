@@ -10,10 +10,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ("PREFIX", "OpenRounds", "Round", "list_name")
+__all__ = ("MORE", "PREFIX", "OpenRounds", "Round", "list_name")
 
 PREFIX = "each "
 """No key has a blank in its name."""
+MORE = ...
+"""An item that is chosen when its round begins."""
 Round = tuple[tuple[Any, ...], int]
 """Items, and which of them is current."""
 
@@ -51,9 +53,3 @@ class OpenRounds(dict[str, Round]):
         """Have these and no others."""
         dict.clear(self)
         dict.update(self, entries)
-
-    def rest(self) -> None:
-        """Forget the items that are done."""
-        for state, (items, index) in dict.items(self):
-            if index:
-                self[state] = (items[index:], 0)

@@ -107,11 +107,14 @@ class Values:
 
     def item(self, path: str) -> tuple[Any, ...]:
         """The values of an item of a list, for all who go over it or a copy of it."""
+        if (place := f"[]{path}") in self._known:
+            return self._known[place]
         learned, found = self.learned, list[Any]()
         for kin in sorted(learned.kin_of(path)):
             for item in learned.items.get(kin, ()):
                 found += [value for value in self._made(item, self._keys[item].type) if value not in found]
-        return tuple(found) or (0,)
+        self._known[place] = tuple(found) or (0,)
+        return self._known[place]
 
     def saturating(self) -> Mapping[str, tuple[float, float]]:
         """Counters that only grow, or only shrink → the bounds past which no guard distinguishes their values."""

@@ -19,7 +19,7 @@ from rai_missions.prove.instruments import Instruments
 from rai_missions.prove.open_world import OpenWorld
 from rai_missions.prove.store import fingerprint
 
-__all__ = ("StepChains",)
+__all__ = ("StepChains", "unpolled")
 
 REMEMBERED = 50_000
 """So many places within steps are remembered; past that all are forgotten and it starts again."""
@@ -50,6 +50,12 @@ class StepChain:
         self.moves.update(dict.fromkeys(draft.moves[moves:], draft.microsteps))
         self.guards.update(dict.fromkeys(draft.looked[guards:], draft.microsteps))
         self.seen = len(draft.written), len(draft.moves), len(draft.looked)
+
+
+def unpolled(draft: StepDraft) -> tuple[Any, ...]:
+    """What has changed since the activities last looked."""
+    keys = sorted({key for key, _ in draft.written[draft.polled :]})
+    return keys, sorted(draft.presence_changes), sorted(draft.news.items()), draft.goal_ended
 
 
 class Link(NamedTuple):
@@ -85,9 +91,7 @@ class StepChains:
             place: All that the next microsteps depend on but the mission's own keys.
         """
         own = self._world.own()
-        unpolled = sorted({key for key, _ in draft.written[draft.polled :]})
-        waiting = (unpolled, sorted(draft.presence_changes), sorted(draft.news.items()), draft.goal_ended)
-        place = repr((place, waiting))
+        place = repr((place, unpolled(draft)))
         mark = fingerprint((place, sorted((key, plain(entry[0])) for key, entry in own.items() if entry is not None)))
         chain = self._here.setdefault((place, self._instruments.ticks), StepChain(draft))
         link = self._links.get(mark)

@@ -5,8 +5,8 @@ Rule: a step has gone round only where everything is as it was before, as far as
 becomes of it then is what the limits of a step make of it, whichever comes first: that of microsteps ends the mission,
 that of a tree's rounds has the tree rest, and the mission continues.
 
-Rule: a list has an end. Where a step has come, in the same list, to a place that it passed with one more item to come,
-no more items need to be tried: what they could bring follows from the earlier visit.
+Rule: a list has an end. Where a step has come, in the same list, to a place that it passed, or that another way of the
+same step has passed, no more items need to be tried: what they could bring follows from the earlier visit.
 """
 
 from __future__ import annotations
@@ -19,13 +19,14 @@ from rai_missions.engine import Chart
 from rai_missions.engine.configuration import CompiledStep
 from rai_missions.engine.macrostep import MOST_MICROSTEPS
 from rai_missions.engine.nodes import Node
-from rai_missions.engine.state import TABLE, Holds, RunState
+from rai_missions.engine.state import TABLE, Holds, RunState, StepDraft
 from rai_missions.keys import type_error
 from rai_missions.prove.abstraction import INDIFFERENT, Abstraction
 from rai_missions.prove.activity_key import key_of, plain, timer_key
 from rai_missions.prove.instruments import Instruments
+from rai_missions.prove.open_rounds import MORE
 from rai_missions.prove.open_world import OpenWorld
-from rai_missions.prove.step_chains import StepChains
+from rai_missions.prove.step_chains import StepChains, unpolled
 from rai_missions.prove.store import ALL_GOALS, MANY
 from rai_missions.states.compound import Each
 
@@ -77,25 +78,41 @@ class StepCircles:
         self._fields = [(each.name, keys_by_kind.get(each.holds)) for each in TABLE if each.holds not in INDIFFERENT]
 
     def is_new_round(self, state: RunState, node: Node) -> bool:
-        """Whether another item of a list may lead to what the items before have not led to in the same step."""
+        """Whether more rounds of a list may lead to what no other way, and none before on this one, leads to."""
         self._follow(state)
         items, index = state.rounds[node.name]
-        last, places = self._lists.get(node.name, (index, None))
-        if places is None or index <= last:
-            self._lists[node.name] = index, set()
-            return True
+        last, places = self._lists.get(node.name, (index, set()))
+        if index <= last:
+            places = set()
         self._lists[node.name] = index, places
-        self._look()
         rounds = [(name, each[at + (name == node.name) :]) for name, (each, at) in sorted(state.rounds.items())]
-        fields = [each for each in self._state(state) if each[0] != "rounds"]
+        kept = self._rest.later.roots
+        reported = [each for each in self._reported(state.board) if each[0] in kept]
+        fields = [each for each in self._state(state) if each[0] not in ("rounds", "board")]
         assert isinstance(node.state, Each)
         key = node.state.item
-        is_replaced = not type_error(self._keys[key], items[index])
+        is_replaced = items[index] is MORE or not type_error(self._keys[key], items[index])
         own = [each for each in self._counted() if not (is_replaced and each[0] == key)]
-        place = repr((fields, rounds, items[index], self._draft(state), own))
-        is_new = place not in places
+        place = repr((node.name, fields, reported, rounds, items[index], self._draft(state), own))
+        is_new = place not in places and self._world.choices.is_first_at(repr((place, self._past(state.draft))))
         places.add(place)
+        if not is_new:
+            self._look()
+            self._instruments.asked.update({key for key, _ in state.draft.written} & self._world.own_keys)
         return is_new
+
+    def _past(self, draft: StepDraft) -> tuple[Any, ...]:
+        """What a step has done so far, as far as it makes a difference of where the step leads."""
+        seen = self._instruments
+        return (
+            draft.macrosteps,
+            sorted({name for move in draft.moves for name in (*move.taken, *move.exited, *move.entered)}),
+            sorted({key for key, _ in draft.written}),
+            sorted(seen.turned),
+            sorted((name, sorted(paths)) for name, paths in seen.begun.items()),
+            sorted(seen.lengthened),
+            unpolled(draft),
+        )
 
     def _follow(self, state: RunState) -> None:
         """Forget what was passed where another macrostep is in hand."""

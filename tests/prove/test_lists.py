@@ -15,6 +15,7 @@ from rai_missions.engine.state import RunState
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import prove, step_chains, step_circles
 from rai_missions.prove.environment import Environment
+from rai_missions.prove.nondeterminism import Choices
 from rai_missions.prove.step_circles import StepCircles
 from tests.prove.explored import RecordingSpace
 from tests.prove.test_laws import lenient
@@ -114,6 +115,60 @@ def test_a_list_of_any_length_leads_where_long_lists_lead(document: Json) -> Non
 @given(patrols())
 def test_a_list_of_any_length_leads_where_long_lists_lead_however_often_it_is_tried(document: Json) -> None:
     hold_against_long_lists(document, 6)
+
+
+def retried(bound: Any = None, *, again: bool = False) -> Json:
+    """Each place has a number of tries of its own; what is rejected is tried as often at once."""
+    document = patrol([OVER])
+    document["blackboard"]["place"] = {"type": "object"}
+    driving = document["states"]["going"]["states"]["driving"]
+    guard: Json = {"key": "n", "<": bound if bound is not None else {"key": "place.limit"}}
+    retry = {"on": ENDS[1:], "when": guard, "to": "driving", "do": [COUNT]}
+    forget = [{"set": "n", "value": 0}] if again else []
+    driving["transitions"] = [retry, {"on": ENDS, "to": "next", "do": forget}]
+    return document
+
+
+@pytest.mark.parametrize("again", [False, True], ids=["one counter", "a counter for each"])
+def test_a_counter_up_to_a_field_of_each_item_costs_a_few_ways_for_each_state(*, again: bool) -> None:
+    space = RecordingSpace(Environment(Mission.model_validate(retried(again=again))), 500, 100, by_parts=False)
+    space.explore()
+    assert space.is_whole and space.made < 40 * space.states
+
+
+def hold_against_every_way(document: Json) -> None:
+    """What is explored where a step continues from a place once, and once for each way to it."""
+    mission, spaces = Mission.model_validate(document), list[RecordingSpace]()
+    for is_first_at in (Choices.is_first_at, lambda *given: True):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(Choices, "is_first_at", is_first_at)
+            space = RecordingSpace(Environment(mission), MOST, WORK, by_parts=False)
+            space.explore()
+            spaces.append(space)
+    once, every = spaces
+    assert not once.meter.ended and not every.meter.ended and once.made <= every.made
+    assert (once.states, once.seen, once.ends) == (every.states, every.seen, every.ends)
+    assert (once.findings.taken, once.findings.entered) == (every.findings.taken, every.findings.entered)
+    assert once.findings.flaws.keys() == every.findings.flaws.keys()
+    assert {*once.silent()} == {*every.silent()}
+
+
+@pytest.mark.parametrize("bound", [1, 2])
+def test_a_step_continues_once_from_a_place_that_several_ways_pass(bound: int) -> None:
+    hold_against_every_way(retried(bound))
+
+
+@settings(lenient, max_examples=4)
+@given(patrols())
+def test_a_place_that_several_ways_pass_leads_where_each_of_them_leads(document: Json) -> None:
+    hold_against_every_way(document)
+
+
+@pytest.mark.drill
+@settings(lenient, max_examples=200)
+@given(patrols())
+def test_a_place_that_several_ways_pass_leads_where_each_leads_however_often_it_is_tried(document: Json) -> None:
+    hold_against_every_way(document)
 
 
 def waiting(after: list[Json], *, is_nested: bool = False, **inner: Json) -> Json:
