@@ -44,7 +44,7 @@ k = Keys(
         dict,
         source="mission",
         about="the moves that lead from what is seen to the goal, each with what it assumes",
-        fields={"moves": list, "next": dict, "reason": str, "about": str, "avoided": list},
+        fields={"moves": list, "next": dict, "reason": str, "about": str, "avoided": list, "aside": dict},
     ),
     place_refused=Key(bool, source="mission", initial=False, about="the last thing was not set down at its place"),
     report=Key(str, source="mission", initial="", about="why it was not done, in a sentence"),
@@ -147,7 +147,7 @@ def arranging() -> dict[str, State]:
                 When(~k.objects.fresh, to="sightless"),
                 When(REACHED, to="settling"),
                 When((k.moves >= MOST_MOVES) | (k.failures >= MOST_FAILURES), to="gave_up"),
-                When(k.objects.gripper == "holding", to="putting_back"),
+                When((k.objects.gripper == "holding") & Fresh(k.plan.next), to="putting_back"),
                 When(~REACHED, to="planning"),
                 After(10, to="planning"),
             ],
@@ -204,6 +204,7 @@ def arranging() -> dict[str, State]:
             refused=k.place_refused,
             about="the moves from what is seen to the goal; a place that the arm refused is left for another",
             transitions=[
+                On("succeeded", "failed", when=Fresh(k.plan.aside), to="putting_aside"),
                 On(
                     "succeeded",
                     when=Fresh(k.plan.next),
@@ -268,6 +269,15 @@ def arranging() -> dict[str, State]:
                 memory=True,
             ),
             about="what the gripper still holds goes back to where it was taken from, or to a place that is free",
+            timeout_s=90,
+            transitions=[
+                On("succeeded", to="looking"),
+                On(*TROUBLE, to="looking", do=[Set(k.failures, add=1)]),
+            ],
+        ),
+        "putting_aside": Tree(
+            tree.Action("place", goal={"object": "held", "pose": k.plan.aside}, timeout_s=40),
+            about="what the gripper holds from before this request is set down where it is free",
             timeout_s=90,
             transitions=[
                 On("succeeded", to="looking"),

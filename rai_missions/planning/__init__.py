@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         goal_schema,
         read_goal,
     )
+    from rai_missions.planning.ordering import place_for_the_hand
     from rai_missions.planning.plan import AvoidedPlace, Plan, PlannedMove, Pose, avoided_after, plan_data
     from rai_missions.planning.planner import feasible, planned
     from rai_missions.planning.relations import at_first_poses, holds, reached, support
@@ -39,7 +40,7 @@ __all__ = (
     "DESK", "JUDGE", "STRICT", "Apart", "AtPlace", "AvoidedPlace", "Behind", "Between", "Goal", "Grouped",
     "InContainer", "LeftOf", "NextTo", "OnTop", "Plan", "PlannedMove", "Pose", "Predicate", "Refusal", "Scene",
     "Shifted", "Swapped", "Thing", "Workspace", "at_first_poses", "avoided_after", "feasible", "goal_schema", "holds",
-    "plan_data", "planned", "reached", "read_goal", "read_scene", "support",
+    "place_for_the_hand", "plan_data", "planned", "reached", "read_goal", "read_scene", "support",
 )  # fmt: skip
 
 if not TYPE_CHECKING:
@@ -64,6 +65,7 @@ if not TYPE_CHECKING:
                 "goal_schema",
                 "read_goal",
             ),
+            "ordering": ("place_for_the_hand",),
             "plan": ("AvoidedPlace", "Plan", "PlannedMove", "Pose", "avoided_after", "plan_data"),
             "planner": ("feasible", "planned"),
             "relations": ("at_first_poses", "holds", "reached", "support"),

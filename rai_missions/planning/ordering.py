@@ -9,14 +9,15 @@ from __future__ import annotations
 from collections import ChainMap
 from collections.abc import Collection, Iterator, Sequence
 
+from rai_missions.planning.candidates import LEAST_M
 from rai_missions.planning.fingers import can_take, crowding
 from rai_missions.planning.placement import Arrangement, is_in_the_way
 from rai_missions.planning.plan import AvoidedPlace, PlannedMove, Pose, is_avoided
 from rai_missions.planning.relations import downward
-from rai_missions.planning.scene import CONTAINERS, DESK, Thing
+from rai_missions.planning.scene import CONTAINERS, DESK, Scene, Thing
 from rai_missions.planning.workspace import Workspace
 
-__all__ = ("Ordering", "free_spot")
+__all__ = ("Ordering", "free_spot", "place_for_the_hand")
 
 WIDE_M = (0.085, 0.045)
 """Free distances around what is put aside, the best first: for a hand with its palm next to it, and for fingers."""
@@ -165,3 +166,16 @@ def free_spot(
             if is_free and not any(is_in_the_way(spot, other, clearance) for other in taken):
                 return spot
     return None
+
+
+def place_for_the_hand(scene: Scene, workspace: Workspace | None = None) -> Pose | None:
+    """Where the gripper may set down what it holds, whatever that is: as much room as the longest thing needs.
+
+    None where the gripper is not known to hold anything, and where nothing that it may hold is seen.
+    """
+    things = [thing for thing in scene.things if thing.type not in CONTAINERS]
+    if scene.gripper != "holding" or not things:
+        return None
+    longest = max(things, key=lambda thing: max(thing.size))
+    spot = free_spot(longest, scene.things, workspace or Workspace(), LEAST_M)
+    return Pose.of(spot) if spot is not None else None

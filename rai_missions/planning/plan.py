@@ -93,14 +93,21 @@ class Plan:
         return self.moves[0] if self.moves else None
 
 
-def plan_data(found: Plan | Refusal, avoided: tuple[AvoidedPlace, ...] = ()) -> dict[str, Any]:
-    """A plan, or why there is none, as plain data: the same fields for both, and the places that were to be avoided."""
+def plan_data(
+    found: Plan | Refusal, avoided: tuple[AvoidedPlace, ...] = (), aside: Pose | None = None
+) -> dict[str, Any]:
+    """A plan, or why there is none, as plain data: the same fields for both.
+
+    Args:
+        found: It.
+        avoided: The places that were to be avoided.
+        aside: Where what the gripper holds may be set down, where it holds something.
+    """
+    moves = [move.written() for move in found.moves] if isinstance(found, Plan) else []
+    reason = "" if isinstance(found, Plan) else found.refused
     places = [each.written() for each in avoided]
-    if isinstance(found, Refusal):
-        return {"moves": [], "next": None, "reason": found.refused, "about": found.about, "avoided": places}
-    moves = [move.written() for move in found.moves]
-    next_one = moves[0] if moves else None
-    return {"moves": moves, "next": next_one, "reason": "", "about": found.about, "avoided": places}
+    data = {"moves": moves, "next": moves[0] if moves else None, "reason": reason, "about": found.about}
+    return {**data, "avoided": places, **({"aside": aside.written()} if aside is not None else {})}
 
 
 def is_avoided(thing: Thing, avoided: Iterable[AvoidedPlace]) -> bool:

@@ -29,7 +29,8 @@ class Plan(State, word="plan"):
     over: Path
     """The key that holds what the robot sees."""
     into: Annotated[Name, Refers("key", "plan")]
-    """The mission key that the plan is written to, an object: `moves`, `next`, `reason`, `about`, `avoided`."""
+    """The mission key that the plan is written to, an object: `moves`, `next`, `reason`, `about`, `avoided`;
+    and `aside`, a free place for what the gripper holds, where it holds something."""
     asked: Path | None = None
     """The key that holds the request, a string: `about` is in its language. Left out: in English."""
     refused: Path | None = None

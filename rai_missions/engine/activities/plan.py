@@ -15,11 +15,19 @@ __all__ = ()
 
 def _planned(wanted: Any, seen: Any, *, asked: Any = "", refused: Any = False, last: Any = None) -> ComputedResult:
     from rai_missions.planning import Plan as Found  # a planner; few missions plan
-    from rai_missions.planning import Refusal, avoided_after, plan_data, planned, read_goal, read_scene
+    from rai_missions.planning import (
+        Refusal,
+        avoided_after,
+        place_for_the_hand,
+        plan_data,
+        planned,
+        read_goal,
+        read_scene,
+    )
     from rai_missions.planning.sentences import refusal_sentence
 
     language, avoided = _language(str(asked)), avoided_after(last) if refused is True else ()
-    sentence = "unreadable"
+    sentence, aside = "unreadable", None
     try:
         goal = read_goal(wanted)
         sentence = "unreadable_sight"
@@ -29,7 +37,8 @@ def _planned(wanted: Any, seen: Any, *, asked: Any = "", refused: Any = False, l
         found: Found | Refusal = Refusal("unreadable", why)
     else:
         found = goal if isinstance(goal, Refusal) else planned(goal, scene, language=language, avoided=avoided)
-    value = plan_data(found, avoided)
+        aside = place_for_the_hand(scene)
+    value = plan_data(found, avoided, aside)
     return ComputedResult("failed" if value["reason"] else "succeeded", value, value["about"])
 
 
