@@ -41,7 +41,7 @@ LEAST, MOST = 1e-5, 1e15
 
 def apart(value: Any) -> Any:
     """The value with objects and lists of its own, at every depth; a picture stays the one it is."""
-    if isinstance(value, Mapping):
+    if type(value) is dict or isinstance(value, Mapping):
         return {name: apart(item) for name, item in value.items()}
     if isinstance(value, list | tuple):
         made = [item if type(item) in LEAVES else apart(item) for item in value]

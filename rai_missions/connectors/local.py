@@ -10,10 +10,10 @@ import threading
 import time
 from collections import defaultdict
 from collections.abc import Callable, Mapping
-from concurrent.futures import Future
+from functools import partial
 from typing import Any
 
-from rai_missions.connectors.answers import ask, failure
+from rai_missions.connectors.answers import ask_for
 from rai_missions.connectors.connector import ActionServer, Answer, Close, ConnectorMode, Data, Message, Reply, Report
 from rai_missions.connectors.local_goals import LocalGoal
 from rai_missions.connectors.stamps import ReadingDate, dated, stamp_of
@@ -120,16 +120,11 @@ class LocalConnector:
         elif wrong:
             on_reply(Reply("failed", {}, wrong))
         else:
-            answered = ask(answer, request, service)
-            if answered.done():
-                on_reply(self._reply(answered))
-            else:
-                answered.add_done_callback(lambda later: on_reply(self._reply(later)) if self._running else None)
+            ask_for(answer, request, service, partial(self._reply, on_reply))
 
-    def _reply(self, answered: Future[Data]) -> Reply:
-        why = failure(answered)
-        data = {} if why else answered.result()
-        return Reply("failed" if why else "succeeded", data, why, age_s=self._date(data).age_s)
+    def _reply(self, on_reply: Callable[[Reply], None], data: Data, why: str) -> None:
+        if self._running:
+            on_reply(Reply("failed" if why else "succeeded", data, why, age_s=self._date(data).age_s))
 
     def send_goal(
         self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: Callable[[Report], None]

@@ -30,8 +30,10 @@ def stamp_of(message: Mapping[str, Any]) -> float | None:
     A stamp of zero means, as in ROS, that its sender has not filled it in; so does one that is no finite number.
     """
     header = message.get("header")
-    stamp = header.get("stamp") if isinstance(header, Mapping) else None
+    stamp = header.get("stamp") if header is not None and isinstance(header, Mapping) else None
     stamp = message.get("stamp") if stamp is None else stamp
+    if stamp is None:
+        return None
     try:
         if isinstance(stamp, Mapping):
             seconds = (_whole(stamp.get("sec", 0)) * 10**9 + _whole(stamp.get("nanosec", 0))) / 1e9

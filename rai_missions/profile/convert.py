@@ -21,6 +21,7 @@ __all__ = ("image_of", "json_of", "plain", "pose_message", "pose_of")
 LONGEST_TEXT = 1_000_000
 """Characters of JSON that are read from one message."""
 DEEPEST = 60
+TEXT = frozenset({str})
 BYTES = (bytes, bytearray, memoryview)
 
 
@@ -47,8 +48,8 @@ def plain(value: Any, depth: int = 0) -> Any:
         raise ConnectorError(
             f"a message is nested deeper than {DEEPEST}; its sender sends something else than its type declares"
         )
-    if isinstance(value, Mapping):
-        if not all(isinstance(name, str) for name in value):
+    if kind is dict or isinstance(value, Mapping):
+        if not TEXT.issuperset(map(type, value)) and not all(isinstance(name, str) for name in value):
             raise ConnectorError(
                 f"the fields of a message have names of text, not {cut(sorted(map(repr, value))[0], 60)}"
             )

@@ -183,7 +183,7 @@ def given_to(template: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str,
     Raises:
         ConnectorError: A field that the template wants is not given, or does not fit where the template has it.
     """
-    if not any(True for _ in references(template)):
+    if not template or not any(True for _ in references(template)):
         return cast("dict[str, Any]", apart(_over(template, given)))
     return {name: apart(_filled(item, given)) for name, item in template.items()}
 

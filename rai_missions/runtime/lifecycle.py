@@ -205,6 +205,8 @@ class Lifecycle:
         self.control = Control()
         self.revision = 0
         self._last: Status | None = None
+        self._made_of: tuple[Any, ...] = ()
+        """What the last status was made of; most steps change nothing in it."""
 
     @property
     def mode(self) -> str:
@@ -221,6 +223,11 @@ class Lifecycle:
             self._go(step, mode)
         self.control.follow(holder, taken=chart.taken)
         last, why = self._last, step.why if step.outcome else ""
+        of_chart = chart.active, chart.waiting, chart.loose_goals, chart.held_since
+        made_of = (mode, holder, held_by, step.outcome, why, *of_chart)
+        if made_of == self._made_of:
+            return None
+        self._made_of = made_of
         outcome: str | None = step.outcome
         if last is not None and last.outcome:  # it has ended: what comes too late has a reason of its own
             outcome, why = last.outcome, last.why

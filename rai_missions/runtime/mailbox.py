@@ -60,7 +60,7 @@ class Mailbox:
     def post(self, event: Event) -> None:
         """Put it behind what waits; of what the robot reports of a key while far too much does, the newest is kept."""
         with self._entrance:
-            self._enter(event if self._now is None else event._replace(at=self._now()))
+            self._enter(event if self._now is None else event.moved(self._now()))
 
     def _enter(self, event: Event) -> None:
         if event.kind != "write":
@@ -86,9 +86,12 @@ class Mailbox:
     def take(self) -> Event | None:
         """The next event; None if there is none now."""
         event = self._next()
-        while event is not None and any(is_overdue(event) for is_overdue in self._drops):
+        while event is not None and self._drops and any(is_overdue(event) for is_overdue in self._drops):
             event = self._next()
-        return event if event is None or self._clean is None else event._replace(data=self._clean(event.data))
+        if event is None or self._clean is None:
+            return event
+        clean = self._clean(event.data)
+        return event if clean is event.data else event._replace(data=clean)
 
     def _next(self) -> Event | None:
         if self._urgent:

@@ -369,7 +369,7 @@ class Runner(RunCommands):
 
     def _take(self, event: Event) -> None:
         now = self._clock.now()
-        event = event if event.at <= now else event._replace(at=now)
+        event = event if event.at <= now else event.moved(now)
         if is_e_stop(event):
             self._kill(event)
             return

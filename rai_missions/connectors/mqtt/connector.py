@@ -13,10 +13,10 @@ import time
 import uuid
 from collections import defaultdict
 from collections.abc import Callable, Mapping
-from concurrent.futures import Future
+from functools import partial
 from typing import Any
 
-from rai_missions.connectors.answers import ask, failure
+from rai_missions.connectors.answers import ask_for
 from rai_missions.connectors.connector import ActionServer, Answer, Close, ConnectorMode, Data, Message, Reply, Report
 from rai_missions.connectors.mqtt.calls import PendingCalls
 from rai_missions.connectors.mqtt.codec import decode, encode
@@ -298,12 +298,11 @@ class MqttConnector:
             why = "this program hung, or the clocks of the two machines differ"
             log.warning("a request to %s expired %.1f s ago, and is not served; %s", service, late, why)
             return
-        ask(answer, request, service).add_done_callback(lambda answered: self._send_answer(message, service, answered))
+        ask_for(answer, request, service, partial(self._send_answer, message, service))
 
-    def _send_answer(self, message: Any, service: str, answered: Future[Data]) -> None:
-        why = failure(answered)
+    def _send_answer(self, message: Any, service: str, data: Data, why: str) -> None:
         try:
-            answer = {"why": why} if why else {"data": answered.result()}
+            answer = {"why": why} if why else {"data": data}
             encode(answer)
         except Exception as fault:
             log.exception("%s failed", service)

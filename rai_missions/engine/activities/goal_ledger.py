@@ -126,11 +126,8 @@ def reason_of(goal: Goal) -> Reason:
 
 def loose(goals: Goals) -> tuple[OpenGoal, ...]:
     """The goals that may still be executing and that no cancel can be relied on to end; from any thread."""
-    return tuple(
-        OpenGoal(goal.number, goal.action, goal.owner, reason_of(goal))
-        for goal in tuple(goals.values())
-        if goal.phase in GIVEN_UP or goal.is_refused
-    )
+    found = [goal for goal in tuple(goals.values()) if goal.phase in GIVEN_UP or goal.is_refused] if goals else ()
+    return tuple(OpenGoal(goal.number, goal.action, goal.owner, reason_of(goal)) for goal in found) if found else ()
 
 
 def cancel(goals: Goals, number: int, at: float) -> tuple[CancelGoal, ...]:
