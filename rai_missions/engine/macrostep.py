@@ -185,6 +185,8 @@ def jump(program: Program, state: RunState, step: CompiledStep) -> None:
         _remember(state, step)
     for node in step.exited:
         _exit(program, state, node)
+    if state.draft.internal or state.draft.starting or state.kept:
+        _outdate(state, step.exited)
     state.config = step.config
     state.active = step.config.active
     state.draft.presence_changes |= step.shifts
@@ -216,12 +218,6 @@ def _exit(program: Program, state: RunState, node: Node) -> None:
         for transition in node.transitions:
             for memory in transition.condition.holds if transition.condition else ():
                 state.held.pop(memory, None)
-    if node in state.draft.starting:
-        state.draft.starting.remove(node)
-    if state.draft.internal:
-        _outdate(state, node)
-    if state.kept:
-        state.kept = tuple(each for each in state.kept if each.kind != "outcome" or each.data["state"] != node.name)
     if node.is_final and node.parent is not None and node.parent.is_each:
         _resume_last_round(state, node.parent)
 
@@ -233,17 +229,23 @@ def _resume_last_round(state: RunState, each: Node) -> None:
         state.rounds[each.name] = items, index - 1
 
 
-def _outdate(state: RunState, node: Node) -> None:
-    """What a state has reported, and no transition has answered, is late once it is left."""
-    internal = state.draft.internal
-    for index, trigger in enumerate(internal):
-        if trigger.source is node:
-            internal[index] = trigger._replace(is_late=True)
+def _outdate(state: RunState, exited: tuple[Node, ...]) -> None:
+    """What states that are left have reported, and no transition has answered, is late; they begin nothing more."""
+    draft, left = state.draft, {node.name for node in exited}
+    draft.starting = [node for node in draft.starting if node.name not in left]
+    state.kept = tuple(each for each in state.kept if each.kind != "outcome" or each.data["state"] not in left)
+    for _ in range(len(draft.internal)):
+        trigger = draft.internal.popleft()
+        source = trigger.source
+        if source is None or source.name not in left:
+            draft.internal.append(trigger)
+        elif not (trigger.name == "round" and source.is_each):  # a round that is left does not begin again
+            draft.internal.append(trigger._replace(is_late=True))
 
 
 def _forget_waiting(state: RunState, node: Node) -> None:
     """What a state that is left waited for makes no difference any more."""
-    name, internal = node.name, state.draft.internal
+    name = node.name
     if state.pending.pop(name, math.inf) < math.inf:
         state.draft.given_up.add(node.control)
     state.settling.pop(name, None)
@@ -252,8 +254,6 @@ def _forget_waiting(state: RunState, node: Node) -> None:
         state.laid_by = tuple(each for each in state.laid_by if each != name)
     if node.is_each and state.rounds.pop(name, None) is not None:
         state.draft.round_bounds[name] = math.inf
-        for trigger in [each for each in internal if each.name == "round" and each.source is node]:
-            internal.remove(trigger)  # a round that is left does not begin again
 
 
 def _enter(program: Program, state: RunState, node: Node) -> None:
