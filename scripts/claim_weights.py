@@ -25,7 +25,8 @@ from sklearn.preprocessing import normalize
 
 from rai_missions.conversation import StatusView
 from rai_missions.conversation.claim_score import FOLDER, ClaimWeights, features
-from rai_missions.conversation.claims import CERTAIN, Claims, plain, scored_clauses
+from rai_missions.conversation.claims import Claims, plain, scored_clauses
+from rai_missions.conversation.judged_sentence import CERTAIN
 
 DATA = Path(__file__).parent.parent / "tests/conversation/data"
 VIEW = StatusView(robot="rosbot, simulated", mission="rosbot_patrol")

@@ -12,7 +12,7 @@ from typing import Any
 
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.names import key_named
-from rai_missions.conversation.view import KeyView, StatusView
+from rai_missions.conversation.view import KeyView
 from rai_missions.errors import MissionError
 from rai_missions.keys import is_within
 from rai_missions.planning.text.numbers import number
@@ -132,13 +132,13 @@ def _chunks(words: Sequence[str], language: Language) -> list[list[str]]:
 def _one(
     chunk: list[str], keys: Sequence[KeyView], language: Language, owner: str, value: ReadValue
 ) -> tuple[KeyView, Any]:
-    view, misfit = StatusView(keys={key.name: key for key in keys}), None
+    by_name, misfit = {key.name: key for key in keys}, None
     for slots in language.argument.match(chunk):
-        path = key_named(slots["key"].split(), view, language, strict=True)
-        if path not in view.keys:
+        path = key_named(slots["key"].split(), by_name, language, strict=True)
+        if path not in by_name:
             continue
         try:
-            return view.keys[path], value(slots["value"].split(), view.keys[path], language)
+            return by_name[path], value(slots["value"].split(), by_name[path], language)
         except BadValue as error:
             misfit = misfit or error
     if misfit is not None:

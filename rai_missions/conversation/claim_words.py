@@ -10,8 +10,10 @@ from typing import Any, Literal, NamedTuple
 from rai_missions.conversation.language import Language
 from rai_missions.conversation.phrases import Phrases
 
-__all__ = ("ClaimWords", "Subject", "SubjectKind")
+__all__ = ("CLAUSES", "ClaimWords", "Subject", "SubjectKind")
 
+CLAUSES = re.compile(r"(?:,(?!\d)|[;:()\n–—…|/])+|\s-+\s|[.!?]+\s+|(?<!\b[ioa][nft] )\b(?=that\b(?!\s\w+\W*$))", re.I)
+"""Where a clause ends; `in that case` and `I know that name` are one."""
 POSSESSIVE = re.compile(r"(?<=\w{3})'s\b")
 SubjectKind = Literal["self", "it", "work", "soft", "let"]
 
@@ -74,6 +76,10 @@ class ClaimWords:
     def words(self, text: str) -> list[str]:
         """The words of a text that is `readable`; what may be a short `is` is one."""
         return self._words(POSSESSIVE.sub(" is", text) if not self.verb_second else text)
+
+    def clauses(self, text: str) -> list[list[str]]:
+        """The words of each clause of such a text."""
+        return [words for part in CLAUSES.split(text) if (words := self.words(part))]
 
     def is_counted(self, text: str) -> bool:
         """Whether a text has a share, such as `3 of 4`, `four of four` or `75 %`: how far something is."""

@@ -13,7 +13,7 @@ from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.senses import Sense
 from rai_missions.engine.decision import Offer, Question
 
-__all__ = ("TextOption", "text_option")
+__all__ = ("TextOption", "is_ordinal", "text_option")
 
 
 class TextOption(NamedTuple):
@@ -33,11 +33,6 @@ class TextOption(NamedTuple):
         """The answer in these words, to be read back."""
         return self._sense(words, is_partial=True)
 
-    def means(self, words: Sequence[str], language: Language) -> bool:
-        """Whether a whole sentence is an ordinal, `the second`; options are counted by numbers then."""
-        bare = language.without_articles(words)
-        return len(bare) == 1 and not bare[0].isdigit() and bare[0] in language.data["ordinals"]
-
     def _sense(self, words: Sequence[str], *, is_partial: bool) -> Sense:
         values = {self.parameter: " ".join(words)}
         return Sense(
@@ -48,6 +43,12 @@ class TextOption(NamedTuple):
             parameters=values,
             is_partial=is_partial,
         )
+
+
+def is_ordinal(words: Sequence[str], language: Language) -> bool:
+    """Whether a whole sentence is an ordinal, `the second`; options that take a text are counted by numbers."""
+    bare = language.without_articles(words)
+    return len(bare) == 1 and not bare[0].isdigit() and bare[0] in language.data["ordinals"]
 
 
 def text_option(questions: Sequence[Question]) -> TextOption | None:

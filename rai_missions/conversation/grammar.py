@@ -103,11 +103,11 @@ class Grammar:
 
     def question_by_sense(self, text: str, view: StatusView) -> Sense | None:
         """What a sentence without another meaning asks in words of its own; None where it asks for no state."""
-        return self.sentence.question_by_sense(self._unrepeated(text), view)
+        return self.sentence.questions.by_sense(self._unrepeated(text), view)
 
     def answers_by_sense(self, text: str, view: StatusView) -> tuple[Sense, ...]:
         """What a sentence without another meaning answers in words of its own, to be read back."""
-        return tuple(self.sentence.answers_by_sense(self._unrepeated(text), view))
+        return tuple(self.sentence.options.by_sense(self._unrepeated(text), view))
 
     def _unrepeated(self, text: str) -> str:
         """A sentence that repeats its words for emphasis, with them once: `go!` of `go, go, go!`."""

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from rai_missions.conversation.claim_words import ClaimWords, Subject
 
-__all__ = ("LEAST_PREDICATE", "HarmlessClauses")
+__all__ = ("CERTAIN_WITHIN", "LEAST_PREDICATE", "HarmlessClauses")
 
 LONGEST_ASIDE = 4
 """Words up to which a clause without a verb is an aside, and of which the clause before it has at least as many."""

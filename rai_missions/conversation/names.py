@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from rai_missions.conversation.language import Language, spoken
@@ -30,45 +30,45 @@ def _names(key: KeyView, language: Language) -> Iterator[tuple[str, list[str]]]:
         yield f"{key.name}.{name}", [*field, *own]
 
 
-def key_named(words: Sequence[str], view: StatusView, language: Language, *, strict: bool = False) -> str:
+def key_named(words: Sequence[str], keys: Mapping[str, KeyView], language: Language, *, strict: bool = False) -> str:
     """The path of the key that the words name; empty where they name none, or several.
 
     An argument is named by its name alone: its `about` lists what may be ordered.
 
     Args:
         words: Of the sentence's slot.
-        view: The run.
+        keys: Those that there are, by name.
         language: Whose articles, units and aliases count.
         strict: Only its name counts, not the words of its `about`.
     """
     bare = language.without_articles(words)
     singular = list(map(language.singular, bare))
     alias = language.data["aliases"].get(" ".join(bare))
-    for path, names in (each for key in view.keys.values() for each in _names(key, language)):
+    for path, names in (each for key in keys.values() for each in _names(key, language)):
         if names and (list(map(language.singular, names)) == singular or path == alias):
             return path
     if strict or not any(len(word) >= SHORTEST for word in bare):
         return ""
-    within = {path for key in view.keys.values() for path, names in _names(key, language) if set(bare) <= set(names)}
+    within = {path for key in keys.values() for path, names in _names(key, language) if set(bare) <= set(names)}
     by_name = {path.partition(".")[0] for path in within}
     if len(by_name) == 1:
         return min(within, key=len)
-    reported = [key for key in view.keys.values() if key.source != "argument"]
+    reported = [key for key in keys.values() if key.source != "argument"]
     about = [key.name for key in reported if set(bare) <= set(language.normaliser.words(key.about))]
     return about[0] if not within and len(about) == 1 else ""
 
 
-def key_within(words: Sequence[str], view: StatusView, language: Language) -> str:
+def key_within(words: Sequence[str], keys: Mapping[str, KeyView], language: Language) -> str:
     """The path of the key that some of the words are the whole name of, the longest name first; empty without one.
 
     Args:
         words: Of a sentence.
-        view: The run.
+        keys: Those that there are, by name.
         language: Whose articles, units and aliases count.
     """
     for size in range(LONGEST_NAME, 0, -1):
         for at in range(len(words) - size + 1):
-            if path := key_named(words[at : at + size], view, language, strict=True):
+            if path := key_named(words[at : at + size], keys, language, strict=True):
                 return path
     return ""
 

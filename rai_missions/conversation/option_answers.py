@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rai_missions.conversation.arguments import IN_WORDS, BadValue, read_arguments
-from rai_missions.conversation.free_answers import TextOption, text_option
+from rai_missions.conversation.free_answers import TextOption, is_ordinal, text_option
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.names import option_named
 from rai_missions.conversation.option_senses import OptionSenses
@@ -50,7 +50,7 @@ class OptionAnswers:
 
     def _answers_to(self, question: Question, words: list[str]) -> Sense | None:
         found, text = list[Sense](), text_option([question])
-        if text is not None and text.means(words, self._language):
+        if text is not None and is_ordinal(words, self._language):
             return text.free(words)
         for slots in self._language.answer.match(words):
             named = option_named(slots["option"].split(), question.options, self._language)

@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.values import about_words
 from rai_missions.engine.decision import Question
+from rai_missions.plain_data import at_path
 from rai_missions.redaction import cut
 
 __all__ = ("options_text", "question_text")
@@ -37,9 +38,7 @@ def _evidence_texts(question: Question, asked_with: Sequence[str]) -> Iterator[s
     """The texts among its evidence that are spoken with it."""
     values = {each.key: each.value for each in question.evidence}
     for path in asked_with:
-        name, _, field = path.partition(".")
-        value = values.get(name)
-        value = value.get(field) if field and isinstance(value, Mapping) else value
+        value = at_path(values, path)
         if isinstance(value, str) and value.strip():
             yield cut(value.strip(), LONGEST_EVIDENCE)
 

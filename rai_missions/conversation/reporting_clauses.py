@@ -6,14 +6,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from rai_missions.conversation.claim_words import ClaimWords, Subject
-from rai_missions.conversation.harmless_clauses import HarmlessClauses
+from rai_missions.conversation.harmless_clauses import CERTAIN_WITHIN, HarmlessClauses
 
 __all__ = ("ReportingClauses",)
 
 DEFINED_WITHIN = 3
 """Words, without articles, up to which what precedes a noun defines one by it: `an alley is the way between trees`."""
-CERTAIN_WITHIN = 4
-"""Words of a sentence about a kind of things among which a certain thing makes it a report."""
 
 
 class ReportingClauses:

@@ -151,11 +151,9 @@ class Reports:
         owed = (each for each in self._all.values() if each.state == "owed")
         return (each for each in owed if not each.tries or self.is_speaker_alive)
 
-    def begin(self, report: MissionReport, key: str) -> MissionReport:
+    def begin(self, report: MissionReport, key: str) -> None:
         """The report is being spoken under this key."""
-        begun = report._replace(state="speaking", key=key, tries=report.tries + 1)
-        self._all[report.identity] = begun
-        return begun
+        self._all[report.identity] = report._replace(state="speaking", key=key, tries=report.tries + 1)
 
     def end(self, key: str, result: str, at: float) -> MissionReport | None:
         """A speech has ended; the report that it was, None where it was none that is waited for."""

@@ -57,8 +57,8 @@ class SentenceGrammar:
         self.language = language
         self._phrases = phrases or StartPhrases({}, {}, language)
         self._corrections = Corrections(language, self._phrases)
-        self._answers, self._starts = OptionAnswers(language), MissionStarts(language, self._phrases)
-        self._questions = StateQuestions(language, questions)
+        self.options, self._starts = OptionAnswers(language), MissionStarts(language, self._phrases)
+        self.questions = StateQuestions(language, questions)
         pronouns = frozenset(language.data["pronouns"])
         self._things = frozenset(language.data["thing_pronouns"])
         self._undecided = frozenset([*language.data["claims"]["negations"], language.text("or")])
@@ -67,7 +67,7 @@ class SentenceGrammar:
         self._view: StatusView | None = None
         self._known = dict[tuple[str, ...], tuple[Sense, ...]]()
         """What words mean in this view: a sentence, its clauses and its parts are read by several."""
-        self._vocabulary = language.vocabulary() | self._phrases.words | self._questions.words
+        self._vocabulary = language.vocabulary() | self._phrases.words | self.questions.words
 
     def senses(self, words: list[str], view: StatusView, draft: Draft | None = None) -> tuple[Sense, ...]:
         """What the words may mean in this moment; several where they are ambiguous, empty for other talk.
@@ -115,10 +115,6 @@ class SentenceGrammar:
             or rest[0] in self._subjects
             or all(self._phrases.choices(name) or isinstance(sense.arguments[name], str) for name in sense.named)
         )
-
-    def begins_a_clause(self, word: str) -> bool:
-        """Whether a word behind an order begins another clause rather than what the order is about."""
-        return word in self.language.data["reasoning"]
 
     def begins_a_start(self, words: Sequence[str]) -> bool:
         """Whether the words begin with a phrase of the robot's own that starts a mission, `go` ahead of it or not."""
@@ -184,15 +180,7 @@ class SentenceGrammar:
     def answers(self, words: list[str], questions: Sequence[Question]) -> bool:
         """Whether the words would answer one of these questions, as a whole or as a correction."""
         ways = [words, *self._corrections.instead(words)] if words and len(words) <= MOST_MENDED else []
-        return any(self._answers.fits(each, questions) for each in ways)
-
-    def question_by_sense(self, text: str, view: StatusView) -> Sense | None:
-        """What a sentence asks in words of its own."""
-        return self._questions.by_sense(text, view)
-
-    def answers_by_sense(self, text: str, view: StatusView) -> list[Sense]:
-        """What a sentence answers in words of its own, to be read back; several where it may be several."""
-        return self._answers.by_sense(text, view)
+        return any(self.options.fits(each, questions) for each in ways)
 
     def _forms(self, words: list[str], bare: list[str], view: StatusView) -> Iterator[list[str]]:
         """What of a sentence may be what is meant, the likeliest first; what is not asked for is not worked out."""
@@ -236,7 +224,7 @@ class SentenceGrammar:
 
     def _asked(self, words: list[str], view: StatusView) -> tuple[Sense, ...]:
         """The question that words are; with the order to look for its thing, where a phrase of the robot has one."""
-        asked = self._questions.sense(words, view)
+        asked = self.questions.sense(words, view)
         is_order = bool(asked.thing) if asked is not None else words[0] in self.language.data["asking"]
         found = self._phrased(words, view) if is_order else []
         return tuple(self._asked_or_ordered(asked, found))
@@ -291,7 +279,7 @@ class SentenceGrammar:
         if language.orders["stop"].fits(words):
             return (STOP,)
         found = [Sense("yes")] if language.yes.fits(words) else [Sense("no")] if language.no.fits(words) else []
-        found += self._answers.senses(words, view)
+        found += self.options.senses(words, view)
         found += self.orders(words, view)
         found += [Sense("again")] if language.again.fits(words) else []
         found += self._phrased(words, view)
@@ -301,7 +289,7 @@ class SentenceGrammar:
         if not found and text_option(view.questions) is None:
             found = list(self._phrases.valued(words, view.missions))
         if not found or words[0] in self.language.data["asking"]:
-            found = self._asked_or_ordered(self._questions.sense(words, view), found)
+            found = self._asked_or_ordered(self.questions.sense(words, view), found)
         return tuple({sense.identity: sense for sense in found}.values())
 
     def _phrased(self, words: list[str], view: StatusView) -> list[Sense]:

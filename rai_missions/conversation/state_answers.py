@@ -382,7 +382,7 @@ class StateAnswers:
 
     def _speed_now(self, view: StatusView, _: Asker) -> str:
         """The key that reports it; where there is none, that it is not reported, and the limit."""
-        path = key_named(SPEED, view, self.language, strict=True)
+        path = key_named(SPEED, view.keys, self.language, strict=True)
         if path:
             return key_sentence(path, view.keys, self.language)
         return self.language.text("speed_now", speed=build_sentence("speed", view, self.language))

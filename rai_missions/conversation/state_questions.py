@@ -47,7 +47,7 @@ class StateQuestions:
             words = next(self._language.normaliser.openings(self._language.normaliser.words(clause)), [""])
             is_asked = self._is_asking(words) or clause.rstrip().endswith("?")
             for name, phrases in self._language.question_senses.items() if is_asked else ():
-                path = key_within(words, view, self._language) if name == "key" else ""
+                path = key_within(words, view.keys, self._language) if name == "key" else ""
                 if phrases.within(words) and (path or name != "key"):
                     return Sense("question", name, key=path)
         return None
@@ -67,20 +67,22 @@ class StateQuestions:
             return Sense("question", name)
         named, done, of = (slots.get(slot, "").split() for slot in ("key", "done", "of"))
         if of:  # `how humid is the air`: one key has both in its name or its `about`
-            path = key_named([*named, *of], view, self._language)
+            path = key_named([*named, *of], view.keys, self._language)
             return Sense("question", name, key=path) if path else None
         path = self._key_done(named, done, view) if done else ""
-        path = path or key_named(named, view, self._language, strict=len(named) == len(words))
+        path = path or key_named(named, view.keys, self._language, strict=len(named) == len(words))
         return Sense("question", name, key=path) if path else None
 
     def _key_done(self, named: list[str], done: list[str], view: StatusView) -> str:
         """The key that counts what was done: `alleys driven` for `how many alleys did you drive`."""
         for ending in ("", *self._language.data["participle_endings"]):
-            if path := key_named([*named, *done[:-1], done[-1] + ending], view, self._language, strict=bool(ending)):
+            if path := key_named(
+                [*named, *done[:-1], done[-1] + ending], view.keys, self._language, strict=bool(ending)
+            ):
                 return path
         return ""
 
     def _thing(self, name: str, thing: list[str], view: StatusView) -> Sense:
         """A question about a thing: of a key of that name, or of whatever fact has it."""
-        path = key_named(thing, view, self._language, strict=True)
+        path = key_named(thing, view.keys, self._language, strict=True)
         return Sense("question", "key", key=path) if path else Sense("question", name, thing=" ".join(thing))

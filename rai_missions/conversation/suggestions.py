@@ -48,7 +48,7 @@ class Suggestions:
         self._joints, self._addressed = frozenset(data["clause_joints"]), frozenset(data["addressed"])
         self._addressing = frozenset(data["addressing"])
         self._unordered = frozenset([*data["claims"]["negations"], *data["quoting"]])
-        self._requesting = frozenset(data["requesting"])
+        self._requesting, self._reasoning = frozenset(data["requesting"]), frozenset(data["reasoning"])
         self._place_joints: Sequence[str] = data["place_joints"]
         self._place_pronouns = sorted((each.split() for each in data["place_pronouns"]), key=len, reverse=True)
         self._asking = frozenset(data["asking"]) - self._requesting
@@ -261,7 +261,7 @@ class Suggestions:
     def _ordered(self, words: list[str], view: StatusView) -> tuple[Sense | None, int]:
         """The longest order of the language that the words begin with, where at most another clause is behind it."""
         for size in range(min(len(words), LONGEST_ORDER), 0, -1):
-            if size < len(words) and not self._grammar.begins_a_clause(words[size]):
+            if size < len(words) and words[size] not in self._reasoning:
                 continue
             found = self._grammar.orders(self._language.normaliser.bare(words[:size]), view)
             if _order(found):

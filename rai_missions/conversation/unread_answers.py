@@ -76,7 +76,7 @@ class UnreadAnswers:
 
     def _asked(self, words: Sequence[str], view: StatusView) -> str:
         """The fact that a question names, or the robot's own state, where the question is put to it; else nothing."""
-        if path := key_within(words, view, self._language):
+        if path := key_within(words, view.keys, self._language):
             return key_sentence(path, view.keys, self._language)
         return self._answers.status(view) if set(words) & set(self._language.data["addressing"]) else ""
 
@@ -86,5 +86,5 @@ class UnreadAnswers:
             return self._answers.status(view)
         if not subject or subject[-1] in self._language.data["pronouns"]:
             return ""
-        path = key_named(subject, view, self._language, strict=True)
+        path = key_named(subject, view.keys, self._language, strict=True)
         return key_sentence(path, view.keys, self._language) if path else " ".join(self._answers.facts(subject, view))

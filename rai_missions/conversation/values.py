@@ -10,7 +10,7 @@ from typing import Any
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.view import KeyView
 from rai_missions.image import Image
-from rai_missions.plain_data import is_number, rounded
+from rai_missions.plain_data import at_path, is_number, rounded
 from rai_missions.redaction import cut
 
 __all__ = (
@@ -104,7 +104,7 @@ def _found(path: str, keys: Mapping[str, KeyView]) -> tuple[KeyView, str, Any]:
     """The key of a path, the field, and the value of either."""
     name, _, field = path.partition(".")
     key = keys[name]
-    return key, field, key.value.get(field) if field and isinstance(key.value, Mapping) else key.value
+    return key, field, at_path(key.value, field)
 
 
 def is_known(path: str, keys: Mapping[str, KeyView]) -> bool:
