@@ -224,8 +224,7 @@ def _open_answerers(
     if plan.robot is not None and plan.robot.rules:
         from rai_missions.answerers.rules import RulesAnswerer
 
-        rules = {state: [(rule.when, rule.answer) for rule in rules] for state, rules in plan.robot.rules.items()}
-        found["rules"] = RulesAnswerer(rules, keys=plan.mission.blackboard)
+        found["rules"] = RulesAnswerer.of(plan.robot, keys=plan.mission.blackboard)
     offers = {name: offer for name, offer in plan.mission.answerers().items() if name not in found}
     for name, offer in offers.items():
         found[name] = _open_foreign(offer, closing)

@@ -7,12 +7,13 @@ Rule: rows are tried in the order written; unknown takes no row, and a row count
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 from rai_missions.engine.decision import Question
 from rai_missions.guards.guard import Guard
 from rai_missions.guards.view import Site, Test, View
 from rai_missions.keys import Key
+from rai_missions.profile import Robot
 from rai_missions.redaction import cut
 
 __all__ = ("RulesAnswerer",)
@@ -47,6 +48,12 @@ class RulesAnswerer:
             state: tuple(_compiled(state, index, row, keys or {}) for index, row in enumerate(rows))
             for state, rows in rules.items()
         }
+
+    @classmethod
+    def of(cls, robot: Robot, *, keys: Mapping[str, Key], view: View | None = None) -> Self:
+        """The rules of a profile."""
+        rules = {state: [(rule.when, rule.answer) for rule in rules] for state, rules in robot.rules.items()}
+        return cls(rules, keys=keys, view=view)
 
     def read_from(self, view: View) -> None:
         """Decide by this run from now on."""

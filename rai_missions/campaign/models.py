@@ -95,8 +95,7 @@ class CampaignModels:
         *,
         open_chat: Callable[[str], Chat] | None = None,
     ) -> None:
-        self._file, self._keys = file, keys
-        self._rules = {state: [(rule.when, rule.answer) for rule in rules] for state, rules in robot.rules.items()}
+        self._file, self._robot, self._keys = file, robot, keys
         self._open_chat = open_chat or _chat_process
         self._chats: dict[str, WatchedChat] = {}
         self._agents: dict[tuple[str, str], DecisionAgent] = {}
@@ -159,7 +158,7 @@ class CampaignModels:
 
     def _answerer(self, model: str, question: Question, asked: AskedScene, labels: Mapping[str, str]) -> Answerer:
         if model == "rules":
-            return RulesAnswerer(self._rules, keys=self._keys, view=asked.chart.view)
+            return RulesAnswerer.of(self._robot, keys=self._keys, view=asked.chart.view)
         if model == "oracle":
             return ScriptAnswerer({question.state: [_best(question, labels)]})
         if model.startswith(CONSTANT):

@@ -298,8 +298,7 @@ class WatchedBranch:
 
 def rules_of(robot: Robot, mission: Mission) -> dict[str, Answerer]:
     """The rules of a profile, as who answers later questions."""
-    rows = {state: [(rule.when, rule.answer) for rule in rules] for state, rules in robot.rules.items()}
-    return {"rules": RulesAnswerer(rows, keys=mission.blackboard)} if rows else {}
+    return {"rules": RulesAnswerer.of(robot, keys=mission.blackboard)} if robot.rules else {}
 
 
 def _ready(decision: OpenDecision, option: str, *, offered: bool) -> tuple[Chart, Question]:
