@@ -12,8 +12,8 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
 from rai_missions.conversation.language import Language, language, languages, spoken
-from rai_missions.conversation.word_slips import nearest
 from rai_missions.engine.decision import Offer
+from rai_missions.planning.text.normalise import nearest
 
 __all__ = ("OptionSenses",)
 

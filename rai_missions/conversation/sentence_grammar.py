@@ -20,9 +20,8 @@ from rai_missions.conversation.senses import FAULT, STOP, Sense, is_fault
 from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.state_questions import StateQuestions
 from rai_missions.conversation.view import StatusView
-from rai_missions.conversation.word_slips import nearest
 from rai_missions.engine.decision import Question
-from rai_missions.planning.text.normalise import LONGEST_WORD, once
+from rai_missions.planning.text.normalise import LONGEST_WORD, nearest, once
 
 __all__ = ("MOST_MENDED", "MOST_WORDS", "NONE", "SentenceGrammar")
 

@@ -18,8 +18,8 @@ from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.phrases import Phrases, example_of
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.view import KeyView, MissionView
-from rai_missions.conversation.word_slips import NEAREST as LEAST_MENDED
-from rai_missions.conversation.word_slips import nearest
+from rai_missions.planning.text.normalise import NEAREST as LEAST_MENDED
+from rai_missions.planning.text.normalise import nearest
 from rai_missions.profile.conversation import SentenceArguments
 
 __all__ = ("SLOT", "Names", "StartPhrases", "arguments_of")

@@ -18,7 +18,7 @@ from rai_missions.conversation import (
     Utterance,
 )
 from rai_missions.conversation.language import language, languages
-from rai_missions.conversation.word_slips import NEAREST as LEAST_MENDED
+from rai_missions.planning.text.normalise import NEAREST as LEAST_MENDED
 from tests.conversation.stored import ARGUMENTS, ASSISTING, read_back, settings_in
 
 WAIT_S = KeyView("wait_s", "integer", "argument", minimum=1, maximum=3600)

@@ -18,9 +18,8 @@ from rai_missions.planning.reading.noun_phrases import (
 from rai_missions.planning.reading.phrases import Clause, ClauseKind, Phrase
 from rai_missions.planning.reading.places import gap
 from rai_missions.planning.reading.row_words import ordered_row
-from rai_missions.planning.reading.swaps import swaps
 from rai_missions.planning.reading.symbols import BETWEEN, SUBJECTS, Symbol
-from rai_missions.planning.reading.thing_clauses import MUTUAL, NEAR_IT, THOSE, ThingClauses
+from rai_missions.planning.reading.thing_clauses import MUTUAL, NEAR_IT, THOSE, ThingClauses, swaps
 from rai_missions.planning.reading.towers import is_tower, skip_several, tower
 from rai_missions.planning.scene import CONTAINERS
 

@@ -24,10 +24,10 @@ from rai_missions.planning.reading.reading import RequestReading
 from rai_missions.planning.reading.rewrites import names_bin, put_away, rewritten, taken_out
 from rai_missions.planning.reading.symbols import ENDS, LONGEST_REQUEST, MOST_WORDS, Symbol, kind_at
 from rai_missions.planning.reading.things import Things
-from rai_missions.planning.reading.unknown import unknown_word
 from rai_missions.planning.reading.wishes import wishes_of
 from rai_missions.planning.relations import at_first_poses
 from rai_missions.planning.scene import Scene
+from rai_missions.planning.text.language_file import spoken
 from rai_missions.redaction import clipped
 
 __all__ = ("language_of", "read_request", "reading_of")
@@ -39,6 +39,10 @@ MOST_TRIES = 40
 LONGEST_SENTENCE = 4_000
 """Characters of a question or a reason."""
 PREFERRED = "en"
+BEFORE_THING = ("put", "grasp", "swap", "stack", "relation", "the")
+"""Kinds of symbols after which a thing is named."""
+AFTER_THING = ("", ",", ".", "and", "with", "relation", "each_other", "stays")
+"""Kinds of symbols that come after a thing."""
 
 
 def read_request(request: str, scene: Scene) -> dict[str, Any]:
@@ -179,7 +183,7 @@ def _plain(found: list[Symbol], words: Vocabulary, scene: Scene) -> tuple[list[S
     _refuse_forbidden(found, words)
     found = taken_out(found, words)
     if unknown := next((symbol for symbol in found if symbol.kind in ("unknown", "forbidden")), None):
-        raise unknown_word(found, found.index(unknown), scene, words)
+        raise _unknown_word(found, found.index(unknown), scene, words)
     if _is_part_of_place([symbol for symbol in found if symbol.kind not in ("the", "a")]):
         raise words.unread("coordinates")
     plain = [symbol for symbol in found if symbol.kind != "sorted"]
@@ -241,6 +245,15 @@ def _goals_or(absent: Unread, present: tuple[Clause, ...], scene: Scene, words: 
         return _goals(present, scene, words)
     except Unread:
         raise absent from None
+
+
+def _unknown_word(found: Sequence[Symbol], at: int, scene: Scene, words: Vocabulary) -> Unread:
+    """The question about the unknown word at a place of a request: `put Bob on the tray` asks which thing Bob is."""
+    before, after = kind_at(found, at - 1), kind_at(found, at + 1)
+    seen = words.listed([f"'{spoken(each.name)}'" for each in scene.things])
+    if seen and before in BEFORE_THING and after in AFTER_THING and found[at].text.isalpha():
+        return words.unread("which_thing", found[at].text, seen, reason="unknown_word")
+    return words.unread("unknown_word", found[at].text)
 
 
 def _is_limit(found: Sequence[Symbol], at: int) -> bool:

@@ -15,11 +15,10 @@ from rai_missions.planning.reading.noun_phrases import (
 from rai_missions.planning.reading.phrases import Clause, ClauseKind, Phrase
 from rai_missions.planning.reading.places import gap, has_place, place, shift
 from rai_missions.planning.reading.row_words import row_of, sides_of
-from rai_missions.planning.reading.swaps import swaps
 from rai_missions.planning.reading.symbols import BETWEEN
 from rai_missions.planning.reading.towers import is_tower, levels_of, tower
 
-__all__ = ("MUTUAL", "NEAR_IT", "THOSE", "ThingClauses")
+__all__ = ("MUTUAL", "NEAR_IT", "THOSE", "ThingClauses", "swaps")
 
 NAMED = (":", "=")
 """Signs between a container and what is to be in it."""
@@ -308,3 +307,25 @@ class ThingClauses:
             raise self.lexicon.unread("order")
         subjects = subjects if is_from_left else subjects[::-1]
         return [Clause("in_order", subjects, whole[0] if whole else None)]
+
+
+def swaps(cursor: Cursor, subjects: tuple[Phrase, ...]) -> list[Clause]:
+    """The exchanges that begin with these things: `swap red with blue, and green with yellow`.
+
+    Args:
+        cursor: Past the things.
+        subjects: Both, or the first of them.
+    """
+    if not cursor.skip("with", "for"):
+        return [Clause("swap", subjects)]
+    found = [Clause("swap", subjects + noun_phrases(cursor, most=1))]
+    begun = cursor.at
+    while cursor.skip(",", "and", "then"):
+        one = noun_phrases(cursor, most=1)
+        other = noun_phrases(cursor, most=1) if one and cursor.skip("with", "for") else ()
+        if not other:
+            break
+        found.append(Clause("swap", one + other))
+        begun = cursor.at
+    cursor.back_to(begun)
+    return found

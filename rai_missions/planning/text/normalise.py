@@ -5,13 +5,16 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from itertools import product
 from typing import Any
 
 from rai_missions.redaction import clipped
 
-__all__ = ("LONGEST", "LONGEST_WORD", "Normaliser", "each_way", "is_near", "is_slip", "once", "readable", "unrepeated")
+__all__ = (
+    "LONGEST", "LONGEST_WORD", "NEAREST", "Normaliser", "each_way", "is_near", "is_slip", "nearest", "once", "readable",
+    "unrepeated",
+)  # fmt: skip
 
 LONGEST = 2_000
 """Characters of a sentence that are read; no order is longer."""
@@ -19,6 +22,8 @@ LONGEST_WORD = 60
 """Letters of a word; a longer one is none, and a sentence with it is not read."""
 SHORTEST_SLIP = 4
 """Letters of the shortest word that may lack a letter, or have one twice; in a shorter one two may be exchanged."""
+NEAREST = 5
+"""Letters of the shortest word in which any letter may be wrong."""
 Cut = Callable[[str, int], str]
 """Cuts a text to a number of characters."""
 QUOTES = re.compile(r"[\"“”„«»]|(?<!\w)'(?=\w).*[\w.,!?]'(?!\w)")
@@ -66,6 +71,22 @@ def is_slip(word: str, known: str) -> bool:
         return False
     at = next((at for at, (a, b) in enumerate(zip(word, known, strict=False)) if a != b), len(known))
     return len(word) < len(known) or word[at] == word[at - 1]
+
+
+def nearest(word: str, known: Collection[str]) -> str:
+    """The one known word that it is but for a letter; a short one only by letters exchanged or written twice.
+
+    A short word that begins with another letter, or lacks one, may be another word: `rote` is no `orte`.
+    """
+    if word in known:
+        return word
+    if len(word) < NEAREST:
+        near = [each for each in known if each[0] == word[0] and len(each) <= len(word) and is_slip(word, each)]
+    else:
+        sizes = range(max(NEAREST - 1, len(word) - 1), len(word) + 2)
+        near = [each for each in known if len(each) in sizes and is_near(word, each)]
+        near = [each for each in near if each[0] == word[0]] or near
+    return near[0] if len(near) == 1 else word
 
 
 class Normaliser:
