@@ -9,10 +9,12 @@ before, does not count.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Literal, NamedTuple
 
 from rai_missions.conversation.inputs import SpeechEnd, Utterance
 from rai_missions.conversation.order_rules import binding, forbidden
+from rai_missions.conversation.outputs import Mapper
 from rai_missions.conversation.request_queue import JudgedOrder, RequestQueue, order_data
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.speech_side import SpeechSide
@@ -22,6 +24,12 @@ __all__ = ("CROSSING_S", "OrderConfirmation")
 
 CROSSING_S = 1.0
 """Seconds after the end of one question within which a person may still answer it, while the next is asked."""
+READ_BACK: Mapping[Mapper, str] = {
+    "grammar": "read_back",
+    "model": "read_back_model",
+    "nearest": "read_back_nearest",
+}
+"""What read a sentence → the text that reads the order back."""
 VoidReason = Literal["time", "changed", "replaced", "corrected", "stop", "unspoken", "withdrawn", "last"]
 
 
@@ -44,6 +52,8 @@ class Confirmable(NamedTuple):
     """The speaker who ended the other question, and so knows of this one."""
     is_request: bool = False
     """It waited for the end of a mission, which did not succeed."""
+    others: tuple[str, ...] = ()
+    """What was offered with it, in words."""
 
     def is_unclear(self, yes: Utterance) -> bool:
         """Whether a yes came too early, or may be meant for something else, and has the order read back again."""
@@ -75,8 +85,14 @@ class OrderConfirmation:
         """In words, the request whose turn it is, while a person is asked whether it may begin."""
         return (self.pending.order.words,) if self.pending is not None and self.pending.is_request else ()
 
-    def read_back(self, order: JudgedOrder, *, is_request: bool = False) -> None:
-        """Read an order back; it takes the place of another one."""
+    def read_back(self, order: JudgedOrder, *, is_request: bool = False, others: tuple[str, ...] = ()) -> None:
+        """Read an order back; it takes the place of another one.
+
+        Args:
+            order: What counts by a yes.
+            is_request: It waited for the end of a mission.
+            others: What is offered with it, in words.
+        """
         if self.pending is not None:
             is_same = order.sense.identity == self.pending.order.sense.identity
             by: VoidReason = "corrected" if order.sense.is_correction or is_same else "replaced"
@@ -87,6 +103,7 @@ class OrderConfirmation:
             is_crossing=self._talk.now - self._ended_at < CROSSING_S,
             understood_by=self._ended_by,
             is_request=is_request,
+            others=others,
         )
         self._ask(pending, order.utterance)
 
@@ -101,9 +118,10 @@ class OrderConfirmation:
 
     def _ask(self, pending: Confirmable, to: Utterance) -> None:
         order = pending.order
-        form = "read_back_model" if order.mapper == "model" else "read_back"
-        form = "request_asked" if pending.is_request else form
+        form = "request_asked" if pending.is_request else READ_BACK[order.mapper]
         speech = self._speaking.reply(form, to, order=order.words)
+        if pending.others:
+            self._speaking.reply("read_back_others", to, others=self._talk.language.listed(pending.others, "or"))
         until = self._talk.now + self._talk.settings.confirm_s
         read_at = math.inf if to.is_spoken else self._talk.now
         self.pending = pending._replace(until=until, read_at=read_at, key=speech.key)

@@ -10,19 +10,24 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
 from rai_missions.conversation.document_side import DocumentSide
+from rai_missions.conversation.grammar import Grammar
 from rai_missions.conversation.inputs import FoundQuotes, ModelText, OrderEnd, SpeechEnd, Utterance
+from rai_missions.conversation.likeness import Likeness, WordLikeness
 from rai_missions.conversation.model_side import ModelSide
+from rai_missions.conversation.nearest_orders import NearestOrders
+from rai_missions.conversation.offer_side import OfferSide
 from rai_missions.conversation.order_side import OrderSide
 from rai_missions.conversation.outputs import Order, Output, TalkTurn
 from rai_missions.conversation.sentence_side import SentenceSide
 from rai_missions.conversation.settings import Settings
 from rai_missions.conversation.speech_side import SpeechSide
+from rai_missions.conversation.suggestions import Suggestions
 from rai_missions.conversation.talk import Talk
 from rai_missions.conversation.view import StatusView
 
 __all__ = ("Dialogue",)
 
-SETTINGS, NO_RUN = Settings(), StatusView()
+SETTINGS, NO_RUN, WORDS = Settings(), StatusView(), WordLikeness()
 
 
 class Dialogue:
@@ -31,18 +36,33 @@ class Dialogue:
     Args:
         settings: What the profile sets.
         view: The run as it is now.
+        likeness: Compares a sentence that no rule reads with the phrases of orders.
 
     Raises:
         UsageError: There is no language of the settings' code.
     """
 
-    def __init__(self, settings: Settings = SETTINGS, view: StatusView = NO_RUN) -> None:
+    def __init__(self, settings: Settings = SETTINGS, view: StatusView = NO_RUN, likeness: Likeness = WORDS) -> None:
         self._talk = Talk(settings, view)
         self._speaking = SpeechSide(self._talk)
         self._orders = OrderSide(self._talk, self._speaking)
         self._documents = DocumentSide(self._talk, self._speaking)
-        self._models = ModelSide(self._talk, self._speaking, self._orders, self._documents)
-        self._sentences = SentenceSide(self._talk, self._speaking, self._orders, self._documents, self._models)
+        grammar = Grammar(self._talk.language, self._talk.starts, settings.questions)
+        suggestions = Suggestions(grammar.sentence)
+        nearest = NearestOrders(grammar.sentence, self._talk.starts, suggestions, likeness)
+        offers = OfferSide(self._talk, self._orders, nearest)
+        self._models = ModelSide(
+            self._talk, speaking=self._speaking, orders=self._orders, documents=self._documents, offers=offers
+        )
+        self._sentences = SentenceSide(
+            self._talk,
+            grammar,
+            suggestions,
+            speaking=self._speaking,
+            orders=self._orders,
+            documents=self._documents,
+            models=self._models,
+        )
 
     @property
     def settings(self) -> Settings:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.conversation.language_faults import language_faults
-from rai_missions.conversation.phrases import Phrases, part_of_verb, parts_of
+from rai_missions.conversation.phrases import Phrases, examples_of, part_of_verb, parts_of
 from rai_missions.errors import DefinitionError, UsageError, suggestion
 from rai_missions.kinds import known_names, offered
 from rai_missions.mission.json_reader import read_json
@@ -45,6 +45,8 @@ class Language(LanguageTexts):
     def __init__(self, data: Mapping[str, Any]) -> None:
         super().__init__(data)
         self.normaliser = Normaliser(data, by=cut)
+        self.examples = lru_cache(MOST_NAMES)(lambda phrase: examples_of(phrase, self.parts))
+        """Plain sentences of a phrase."""
         self._name_and_unit = lru_cache(MOST_NAMES)(self._split_name)
         self.articles = frozenset(data["articles"])
         self.spatial = frozenset(data["parts"]["spatial"].replace("|", " ").split())
@@ -151,10 +153,14 @@ class Language(LanguageTexts):
         Raises:
             UsageError: One is not closed, or names a part that does not exist.
         """
-        return Phrases(
-            [self._verb.sub(lambda found: f"<{part_of_verb(found[0])}>", self._own(each)) for each in phrases],
-            self.parts,
-        )
+        return Phrases(map(self._with_verbs, phrases), self.parts)
+
+    def order_examples(self, phrase: str) -> list[str]:
+        """Plain sentences of a phrase of a robot's profile, with each verb of a sense."""
+        return self.examples(self._with_verbs(phrase))
+
+    def _with_verbs(self, phrase: str) -> str:
+        return self._verb.sub(lambda found: f"<{part_of_verb(found[0])}>", self._own(phrase))
 
     def _own(self, phrase: str) -> str:
         return WORD.sub(lambda found: self.written_out(found[0]), phrase)

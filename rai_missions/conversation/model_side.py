@@ -10,6 +10,7 @@ from rai_missions.conversation.claims import Claims
 from rai_missions.conversation.document_side import DocumentSide
 from rai_missions.conversation.inputs import ModelText, SpeechEnd, Utterance
 from rai_missions.conversation.model_turns import ModelTurn, ModelTurns
+from rai_missions.conversation.offer_side import OfferSide
 from rai_missions.conversation.order_forms import order_forms, proposed
 from rai_missions.conversation.order_rules import may
 from rai_missions.conversation.order_side import OrderSide
@@ -36,10 +37,14 @@ class ModelSide:
         speaking: Where texts go out.
         orders: Where an order that a model proposes is judged.
         documents: Where a question is looked up that no model has answered.
+        offers: Where an order is offered for a sentence that no one has understood.
     """
 
-    def __init__(self, talk: Talk, speaking: SpeechSide, orders: OrderSide, documents: DocumentSide) -> None:
+    def __init__(
+        self, talk: Talk, *, speaking: SpeechSide, orders: OrderSide, documents: DocumentSide, offers: OfferSide
+    ) -> None:
         self._talk, self._speaking, self._orders, self._documents = talk, speaking, orders, documents
+        self._offers = offers
         self._turns = ModelTurns(talk.settings)
         self._claims = Claims(talk.settings.language)
         self._unread = UnreadAnswers(talk.answers)
@@ -93,6 +98,7 @@ class ModelSide:
         if is_silent:
             text = f"{language.text('model_silent')} {text}"
         self._speaking.answer(text, utterance, way="unknown")
+        self._offers.offer(utterance)
 
     def _begin(self, utterance: Utterance) -> None:
         talk, turn = self._talk, self._turns.begin(utterance, self._talk.now)

@@ -54,6 +54,12 @@ class OptionSenses:
         meant = {name for words in clauses for name in self._advised(words)}
         return [offer for offer in options if meant & self._senses_of(offer.name, offer.about)]
 
+    def examples(self, offer: Offer) -> list[str]:
+        """Plain sentences that ask for an option, by each of its senses."""
+        data = self._language.data["option_senses"]
+        senses = sorted(self._senses_of(offer.name, offer.about))
+        return [each for sense in senses for phrase in data.get(sense, ()) for each in self._language.examples(phrase)]
+
     def _words(self, clause: str) -> list[str]:
         words = self._language.normaliser.words(clause)
         bare = next(self._language.normaliser.openings(words), [])

@@ -92,7 +92,7 @@ def must_confirm(sense: Sense, view: StatusView, *, mapper: Mapper, agreeing: in
         mapper: What read the sentence.
         agreeing: Of a spoken one, how many recognisers agree on it; None for a typed one.
     """
-    return mapper == "model" or any(_must_confirm(each, view, agreeing) for each in sense.orders)
+    return mapper != "grammar" or any(_must_confirm(each, view, agreeing) for each in sense.orders)
 
 
 def _must_confirm(sense: Sense, view: StatusView, agreeing: int | None) -> bool:

@@ -119,7 +119,15 @@ class OrderSide:
                 self.confirmation.void("withdrawn")
             self._requests.drop("requests_withdrawn", asked)
 
-    def take(self, sense: Sense, utterance: Utterance, *, mapper: Mapper, agreeing: int | None = None) -> None:
+    def take(
+        self,
+        sense: Sense,
+        utterance: Utterance,
+        *,
+        mapper: Mapper,
+        agreeing: int | None = None,
+        others: Sequence[Sense] = (),
+    ) -> None:
         """Judge an order that a sentence was read as; it is given out, read back, queued or refused.
 
         Args:
@@ -127,6 +135,7 @@ class OrderSide:
             utterance: The sentence.
             mapper: What read it.
             agreeing: Of a spoken one that the grammar read, how many recognisers agree.
+            others: The orders that are offered with it.
         """
         view, language, settings = self._talk.view, self._talk.language, self._talk.settings
         if order := forbidden(sense, utterance.role, settings):
@@ -142,7 +151,8 @@ class OrderSide:
             where = where_to_order(settings, language)
             self._speaking.reply("two_needed_order", utterance, order=words, where=where)
         elif must_confirm(sense, view, mapper=mapper, agreeing=agreeing):
-            self.confirmation.read_back(judged)
+            each = (order_words(other, view, self._talk.spoken_starts, language) for other in others)
+            self.confirmation.read_back(judged, others=tuple(each))
         else:
             self._settle(judged)
 

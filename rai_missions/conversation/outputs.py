@@ -21,8 +21,8 @@ Priority = Literal["end", "question", "answer", "chatter"]
 """What is spoken first: the mission's end, then its questions and other reports, answers, the rest."""
 Way = Literal["rules", "model", "documents", "unknown"]
 """By which way a text was made: templates, a model, a quotation of documents, or none of them knew an answer."""
-Mapper = Literal["grammar", "model"]
-"""What read a sentence as an order."""
+Mapper = Literal["grammar", "model", "nearest"]
+"""What read a sentence as an order: its grammar, a model, or the likeness of its words to the phrases of orders."""
 
 
 NoteKind = Literal[

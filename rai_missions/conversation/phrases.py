@@ -9,11 +9,12 @@ Rule: a phrase matches a whole sentence or nothing.
 from __future__ import annotations
 
 import re
+from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from rai_missions.errors import UsageError
 
-__all__ = ("Phrases", "example_of", "part_of_verb", "parts_of")
+__all__ = ("Phrases", "example_of", "examples_of", "part_of_verb", "parts_of")
 
 ATOM = re.compile(r"[()\[\]|*$]|\{(\w+)\}|<(\w+)>|[^\s()\[\]|{}<>*$]+")
 WORDS = r"(?:\S+ )+?"
@@ -80,6 +81,32 @@ def example_of(phrase: str) -> str:
     while text != before:
         text, before = ONE_OF.sub(r"\1", LEFT_OUT.sub("", text)), text
     return " ".join(text.split())
+
+
+def examples_of(phrase: str, parts: Mapping[str, str]) -> list[str]:
+    """Plain sentences of a phrase, each alternative in one of them: what may be left out is, slots are as they are.
+
+    Args:
+        phrase: As the module's docstring has it.
+        parts: The lists that `<part>` names.
+    """
+    return _examples(deque(atom.group() for atom in ATOM.finditer(phrase)), parts)
+
+
+def _examples(atoms: deque[str], parts: Mapping[str, str]) -> list[str]:
+    """The sentences of the atoms up to the end of their group, which are removed."""
+    done, plain = list[str](), [""]
+    while atoms and (atom := atoms.popleft()) not in (")", "]"):
+        if atom == "|":
+            done, plain = [*done, *plain], [""]
+            continue
+        ways = _examples(atoms, parts) if atom in ("(", "[") else [atom]
+        ways = examples_of(parts[atom[1:-1]], parts) if atom[0] == "<" else ways
+        ways = [""] if atom in ("[", "$", "*") else ways
+        first, *others = plain
+        each = [*(f"{first} {way}" for way in ways), *(f"{other} {ways[0]}" for other in others)]
+        plain = [" ".join(one.split()) for one in each]
+    return [*done, *plain]
 
 
 NOTHING = r"(?!)"

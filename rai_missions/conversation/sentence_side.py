@@ -51,6 +51,8 @@ class SentenceSide:
 
     Args:
         talk: What the sides share.
+        grammar: Reads the sentences.
+        suggestions: Finds orders in other talk.
         speaking: Where texts go out.
         orders: Where orders, and what confirms them, are judged.
         documents: Where a question is looked up that has no answer now.
@@ -58,12 +60,19 @@ class SentenceSide:
     """
 
     def __init__(
-        self, talk: Talk, speaking: SpeechSide, orders: OrderSide, documents: DocumentSide, models: ModelSide
+        self,
+        talk: Talk,
+        grammar: Grammar,
+        suggestions: Suggestions,
+        *,
+        speaking: SpeechSide,
+        orders: OrderSide,
+        documents: DocumentSide,
+        models: ModelSide,
     ) -> None:
         self._talk, self._speaking, self._orders, self._documents = talk, speaking, orders, documents
         self._models = models
-        self._grammar = Grammar(talk.language, talk.starts, talk.settings.questions)
-        self._suggestions = Suggestions(self._grammar.sentence)
+        self._grammar, self._suggestions = grammar, suggestions
         self._unfinished = dict[tuple[str, str], EarlierOrder]()
         """Speaker → the order that its last sentence had refused or dropped, and which its next may complete."""
         self._closed, self._closed_at = tuple[Question, ...](), float("-inf")

@@ -103,6 +103,13 @@ class StartPhrases:
         starting = (each.phrase for each in own if any(each.keys <= names for names in keys))
         return tuple(dict.fromkeys(example_of(phrase) for phrase in starting))
 
+    def plain_phrases(self, mission: MissionView) -> Iterator[tuple[Sequence[str], Mapping[str, Any]]]:
+        """The plain sentences of each phrase that starts a mission, `find {object}`, with what it gives."""
+        names = mission.keys.keys()
+        for each in self._each:
+            if not each.is_value and each.keys <= names:
+                yield self._language.order_examples(each.phrase), each.arguments
+
     def begin(self, words: Sequence[str]) -> bool:
         """Whether the words begin with one of the phrases, but for those that a value alone fits."""
         return any(each.phrases.begin(words) for each in self._each if not each.is_value)

@@ -196,7 +196,7 @@ class Suggestions:
         (at,) = places
         if not any(sense.lacks for sense in senses or self._grammar.senses(words[: at + 1], view)):
             return ()
-        named, known = self._things_of(before), self._words_of_facts(view)
+        named, known = self._things_of(before), self.words_of_facts(view)
         rests = (words[at + 1 :], []) if len(words) - at <= LONGEST_THING else (words[at + 1 :],)
         for thing in sorted(named, key=lambda thing: not known & set(thing)):
             for rest in rests:
@@ -295,10 +295,10 @@ class Suggestions:
 
     def _things_of(self, clauses: Sequence[list[str]]) -> list[list[str]]:
         """The names of things in clauses, the last first; those where something is come after the others."""
-        named = [(thing, is_place) for clause in reversed(clauses) for thing, is_place in self._things(clause)]
+        named = [(thing, is_place) for clause in reversed(clauses) for thing, is_place in self.things(clause)]
         return [thing for thing, _ in sorted(named, key=lambda each: each[1])]
 
-    def _words_of_facts(self, view: StatusView) -> frozenset[str]:
+    def words_of_facts(self, view: StatusView) -> frozenset[str]:
         """The words of all texts that the run has: what one of them names is a thing rather than a time or a person."""
         values = (key.value for key in view.keys.values())
         texts = (text for value in values for text in (value if isinstance(value, list | tuple) else [value]))
@@ -307,7 +307,7 @@ class Suggestions:
             - self._articles
         )
 
-    def _things(self, words: list[str]) -> Iterator[tuple[list[str], bool]]:
+    def things(self, words: list[str]) -> Iterator[tuple[list[str], bool]]:
         """The names of things, the last first: each article with the words behind it, up to one that names nothing.
 
         Each comes with whether something is there: `in the box`.

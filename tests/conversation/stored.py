@@ -34,7 +34,17 @@ def settings_in(
 
 
 def read_back(outputs: tuple[Output, ...]) -> list[dict[str, str] | None]:
-    """The arguments of each order that is read back; None where an order is given out."""
-    found = [each.data["order"] for each in outputs if isinstance(each, TalkNote) and each.kind == "read_back"]
+    """The arguments of each order that is read back as a rule reads it; None where an order is given out."""
+    found = [order for mapper, order in _read_back(outputs) if mapper != "nearest"]
     done = [None for each in outputs if isinstance(each, Order)]
     return [each.get("arguments", {}) for each in found] + done
+
+
+def offered(outputs: tuple[Output, ...]) -> list[Mapping[str, Any]]:
+    """Each order that is offered for what no rule reads."""
+    return [order for mapper, order in _read_back(outputs) if mapper == "nearest"]
+
+
+def _read_back(outputs: tuple[Output, ...]) -> list[tuple[str, Mapping[str, Any]]]:
+    notes = [each.data for each in outputs if isinstance(each, TalkNote) and each.kind == "read_back"]
+    return [(each["mapper"], each["order"]) for each in notes]

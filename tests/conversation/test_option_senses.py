@@ -93,7 +93,7 @@ def answered(outputs: tuple[Output, ...]) -> list[str]:
 
 
 def is_read_back(output: Output) -> bool:
-    return isinstance(output, TalkNote) and output.kind == "read_back"
+    return isinstance(output, TalkNote) and output.kind == "read_back" and output.data["mapper"] == "grammar"
 
 
 @pytest.mark.parametrize("code", CODES)

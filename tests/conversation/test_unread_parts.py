@@ -78,7 +78,9 @@ def holds(code: str, message: Message) -> None:
     outputs = dialogue.on_utterance(Utterance(text, "operator", "terminal", at=2.0), message.view)
     spoken = words(code, " ".join(each.text for each in outputs if isinstance(each, Speech)))
     given = [each.name for each in outputs if isinstance(each, Order)]
-    is_read = any(isinstance(each, TalkNote) and each.kind == "mapped" for each in outputs)
+    is_read = any(
+        isinstance(each, TalkNote) and each.kind == "mapped" and each.data["mapper"] == "grammar" for each in outputs
+    )
     assert spoken, text
     for part in message.parts if is_read else ():
         is_known = part in KNOWN

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sentences that no rule reads: what is offered for them, that it counts by a yes alone, and what gets no offer."""
+
+from __future__ import annotations
+
+import pytest
+
+from rai_missions.conversation import Dialogue, KeyView, MissionView, Order, Output, StatusView, Utterance
+from rai_missions.engine.decision import Offer, Question
+from rai_missions.event import Role
+from tests.conversation.stored import SENTENCES, offered, settings_in
+
+ARGUMENTS = tuple(KeyView(name, "string", "argument") for name in ("task", "object", "place"))
+WAIT = KeyView("wait_s", "integer", "argument", minimum=1, maximum=600)
+THINGS = {"en": "cup, book, ball", "de": "Tasse, Buch, Ball"}
+PLACES = {"en": {"kitchen": "kitchen", "study": "study"}, "de": {"Küche": "kitchen", "Büro": "study"}}
+PHRASES = {
+    "en": {
+        "find {object}": {"task": "find"},
+        "find {object} in {place}": {"task": "find"},
+        "go to {place}": {"task": "go"},
+        "(check|look around in) {place}": {"task": "look"},
+        "wait {wait_s}": {"task": "wait"},
+        "come back": {"task": "back"},
+    },
+    "de": {
+        "such {object}": {"task": "find"},
+        "such {object} in {place}": {"task": "find"},
+        "fahr in {place}": {"task": "go"},
+        "sieh dich um in {place}": {"task": "look"},
+        "warte {wait_s}": {"task": "wait"},
+        "komm zurück": {"task": "back"},
+    },
+}
+OPTIONS = {"reverse": "drive backwards to the gate", "lift": "raise the mower and cross the ditch"}
+UNREAD = {
+    "en": {
+        "how about a trip to the kitchen": {"task": "go", "place": "kitchen"},
+        "sleuth for my cup": {"task": "find", "object": "cup"},
+        "sleuth for my book in the study": {"task": "find", "object": "book", "place": "study"},
+        "grant me 20 seconds of peace": {"task": "wait", "wait_s": 20},
+    },
+    "de": {
+        "auf in Richtung Küche": {"task": "go", "place": "kitchen"},
+        "spür mir mal die Tasse auf": {"task": "find", "object": "tasse"},
+        "gönn mir 20 Sekunden Ruhe": {"task": "wait", "wait_s": 20},
+    },
+}
+"""Sentences that no rule reads → the arguments of what is offered first."""
+YES = {"en": "yes", "de": "ja"}
+NOTHING = {
+    "en": (
+        "the kitchen smells amazing today",
+        "my cup broke yesterday",
+        "she left the study hours ago",
+        "never mind the kitchen again",
+        "if it rains the kitchen floods",
+        'the sign in front reads "kitchen"',
+        "how lovely",
+    ),
+    "de": (
+        "die Küche duftet heute herrlich",
+        "meine Tasse zerbrach gestern",
+        "bloß nicht die Küche",
+        "wenn es regnet Küche unter Wasser",
+        "wie schön",
+    ),
+}
+MOST_OFFERED = 0.05
+"""The share of stored talk, which has the words of orders in it, for which an order may be offered."""
+CODES = tuple(UNREAD)
+
+
+def run(code: str, mode: str = "succeeded", *questions: Question) -> StatusView:
+    keys = {"known": KeyView("known", "string", value=THINGS[code])}
+    missions = (MissionView("assist", "", (*ARGUMENTS, WAIT)),)
+    return StatusView(
+        run="r1", mode=mode, mission="assist", robot="rob", missions=missions, keys=keys, questions=questions
+    )
+
+
+def replies(code: str, view: StatusView, *sentences: str, role: Role = "operator") -> tuple[Output, ...]:
+    """What goes out at the last of some typed sentences."""
+    dialogue, found = Dialogue(settings_in(code, PHRASES[code], PLACES[code]), view), tuple[Output, ...]()
+    for at, text in enumerate(sentences, start=1):
+        found = dialogue.on_utterance(Utterance(text, role, "terminal", at=float(at)), view)
+    return found
+
+
+def given(outputs: tuple[Output, ...]) -> list[Order]:
+    return [each for each in outputs if isinstance(each, Order)]
+
+
+@pytest.mark.parametrize(("code", "text"), [(code, text) for code in CODES for text in UNREAD[code]])
+def test_what_a_sentence_may_mean_is_offered_and_counts_by_a_yes_alone(code: str, text: str) -> None:
+    view, arguments = run(code), UNREAD[code][text]
+    outputs = replies(code, view, text)
+    assert [{**each["arguments"]} for each in offered(outputs)] == [arguments] and not given(outputs)
+    (order,) = given(replies(code, view, text, YES[code]))
+    assert (order.name, order.arguments, order.mapper, order.sentence) == ("start", arguments, "nearest", text)
+    assert not given(replies(code, view, text, *NOTHING[code][:1], YES[code])), "another sentence was between"
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_nothing_is_offered_to_who_may_not_order_it_aloud_or_next_to_a_read_back(code: str) -> None:
+    view = run(code)
+    for text in UNREAD[code]:
+        assert not offered(replies(code, view, text, role="person"))
+        dialogue = Dialogue(settings_in(code, PHRASES[code], PLACES[code]), view)
+        assert not offered(dialogue.on_utterance(Utterance(text, "operator", "voice", readings=(text, text)), view))
+        first = {"en": "go to the study", "de": "fahr ins Büro"}[code]
+        assert not offered(replies(code, view, first, text))
+
+
+@pytest.mark.parametrize(("code", "text"), [(code, text) for code in CODES for text in NOTHING[code]])
+def test_a_statement_a_negation_a_condition_and_a_quotation_get_no_offer(code: str, text: str) -> None:
+    assert not offered(replies(code, run(code), text))
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_talk_with_the_words_of_orders_gets_few_offers_and_orders_nothing(code: str) -> None:
+    talk = SENTENCES["talk"][code]
+    found = {text: replies(code, run(code, "running"), text) for text in talk}
+    assert not [text for text, outputs in found.items() for each in given(outputs) if each.mapper == "nearest"]
+    many = [text for text, outputs in found.items() if offered(outputs)]
+    assert len(many) <= MOST_OFFERED * len(talk), many
+
+
+def test_an_answer_in_words_of_its_about_is_offered() -> None:
+    question = Question(1, "deciding", "operator", "What now?", tuple(map(Offer, OPTIONS, OPTIONS.values())))
+    view = run("en", "running", question)
+    for text, option in (("raise that mower and over the ditch", "lift"),):
+        assert [each["option"] for each in offered(replies("en", view, text))] == [option]
+        assert [each.option for each in given(replies("en", view, text, "yes"))] == [option]
+
+
+def test_what_else_is_near_is_named_with_the_offer() -> None:
+    outputs = replies("en", run("en"), "how about a trip to the kitchen")
+    assert any("look" in text and "Or else" in text for text in (getattr(each, "text", "") for each in outputs))
