@@ -11,7 +11,7 @@ from typing import Any
 from rai_missions.check.finding import Found
 from rai_missions.check.index import MissionIndex, StateRef
 from rai_missions.check.name_table import Lexicon
-from rai_missions.check.pointers import pointer
+from rai_missions.check.pointers import listed_names, pointer
 from rai_missions.guards.named import Named
 from rai_missions.mission.mission import BUILT_IN_EVENTS
 from rai_missions.states.effects import Drop, Raise
@@ -55,12 +55,6 @@ def unknown_states(index: MissionIndex) -> Found:
             yield place, index.states.missing(name)
 
 
-def _listed(place: str, names: tuple[str, ...]) -> Iterator[tuple[str, str]]:
-    """One name is at the place itself, several in a list."""
-    for index, name in enumerate(names):
-        yield (place if len(names) == 1 else f"{place}/{index}"), name
-
-
 def unknown_events(index: MissionIndex) -> Found:
     """What `on` and `raise` name is an event, an outcome, or an option of the transition's own decision."""
     words = Lexicon("event or outcome", (*index.events.known, *OUTCOMES))
@@ -71,7 +65,7 @@ def unknown_events(index: MissionIndex) -> Found:
             continue
         source = index.spot(transition.definition.of) if transition.definition.of is not None else transition.owner
         own = tuple(source.options) if source is not None else ()
-        for place, word in _listed(f"{transition.place}/on", transition.definition.on):
+        for place, word in listed_names(f"{transition.place}/on", transition.definition.on):
             if word not in known and word not in own:
                 yield place, _of_another_sort(word, index) or _unknown_trigger(word, own, words, options)
     for effect, place, _ in index.effects:

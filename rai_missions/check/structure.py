@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from rai_missions.check.finding import Found
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
+from rai_missions.check.pointers import listed_names
 from rai_missions.states import Compound, Each, Final, History, Parallel
 
 __all__ = (
@@ -23,10 +24,8 @@ __all__ = (
 def initial_outside(index: MissionIndex) -> Found:
     """`initial` names a state inside the one that it is in; a history of the same has a default."""
     for spot in index.spots:
-        names = spot.state.starts()
-        for number, name in enumerate(names):
+        for place, name in listed_names(f"{spot.place}/initial", spot.state.starts()):
             target = index.by_name.get(name)
-            place = f"{spot.place}/initial" + (f"/{number}" if len(names) > 1 else "")
             if target is None:
                 continue
             if not target.inside(spot):
@@ -34,10 +33,9 @@ def initial_outside(index: MissionIndex) -> Found:
                 yield place, f"'{name}' is not inside '{spot.name}'; inside it are: {inside}"
             elif isinstance(target.state, History) and target.parent is spot and not target.state.default:
                 yield place, _leads_back(name)
-    for number, name in enumerate(index.mission.initial):
+    for place, name in listed_names("/initial", index.mission.initial):
         target = index.by_name.get(name)
         if target is not None and isinstance(target.state, History) and target.parent is None:
-            place = "/initial" + (f"/{number}" if len(index.mission.initial) > 1 else "")
             yield place, _leads_back(name)
 
 
