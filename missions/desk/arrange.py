@@ -147,7 +147,7 @@ def arranging() -> dict[str, State]:
                 When(~k.objects.fresh, to="sightless"),
                 When(REACHED, to="settling"),
                 When((k.moves >= MOST_MOVES) | (k.failures >= MOST_FAILURES), to="gave_up"),
-                When((k.objects.gripper == "holding") & Fresh(k.plan.next), to="putting_back"),
+                When((k.objects.gripper == "holding") & (k.moves > 0), to="putting_back"),
                 When(~REACHED, to="planning"),
                 After(10, to="planning"),
             ],
@@ -205,6 +205,7 @@ def arranging() -> dict[str, State]:
             about="the moves from what is seen to the goal; a place that the arm refused is left for another",
             transitions=[
                 On("succeeded", "failed", when=Fresh(k.plan.aside), to="putting_aside"),
+                On("succeeded", when=k.objects.gripper == "holding", to="looking", do=[Set(k.failures, add=1)]),
                 On(
                     "succeeded",
                     when=Fresh(k.plan.next),
@@ -276,11 +277,13 @@ def arranging() -> dict[str, State]:
             ],
         ),
         "putting_aside": Tree(
-            tree.Action("place", goal={"object": "held", "pose": k.plan.aside}, timeout_s=40),
-            about="what the gripper holds from before this request is set down where it is free",
+            tree.Sequence(
+                [tree.Action("place", goal={"object": "held", "pose": k.plan.aside}, timeout_s=40), tree.Wait(1.6)]
+            ),
+            about="what an earlier run left in the hand is set down where it is free; then the request is read again",
             timeout_s=90,
             transitions=[
-                On("succeeded", to="looking"),
+                On("succeeded", to="reading"),
                 On(*TROUBLE, to="looking", do=[Set(k.failures, add=1)]),
             ],
         ),

@@ -21,7 +21,7 @@ from tests.trips import profile_of
 
 pytestmark = pytest.mark.sim
 RED_ON_BLUE, BLUE_ON_RED = "put the red cube on the blue cube", "put the blue cube on the red cube"
-RED_AWAY = "put the red cube at x 0.4 y 0.0"
+RED_AWAY, SWAPPED = "put the red cube at x 0.4 y 0.0", "swap the red cube and the blue cube"
 PLACE_M = 0.03
 
 
@@ -39,6 +39,7 @@ def is_away(truth: DeskTruth) -> bool:
 
 MEANT: Mapping[str, Callable[[DeskTruth], bool]] = {
     RED_ON_BLUE: rests("red_cube", "blue_cube"), BLUE_ON_RED: rests("blue_cube", "red_cube"), RED_AWAY: is_away,
+    SWAPPED: lambda truth: not truth.touch("red_cube", "blue_cube"),
 }  # fmt: skip
 Orders = Sequence[tuple[float, str]]
 """Seconds after the beginning of a run → the command of an operator."""
@@ -86,6 +87,12 @@ def test_what_a_canceled_request_left_in_the_hand_is_set_down_first(held_s: floa
     first, second = asked((RED_ON_BLUE, [(held_s, "cancel")]), (BLUE_ON_RED, []))
     assert (first.outcome, first.held) == ("canceled", "red_cube")
     assert second == ("succeeded", True, "", second.moves) and second.moves <= 2
+
+
+def test_a_request_means_the_places_where_things_lie_not_those_in_the_hand() -> None:
+    """A swap by the place over the other cube would be a tower."""
+    *_, end = asked((RED_ON_BLUE, [(7.0, "cancel")]), (SWAPPED, []))
+    assert (end.outcome, end.is_so, end.held) == ("succeeded", True, "")
 
 
 @pytest.mark.drill
