@@ -11,12 +11,11 @@ import math
 import time
 from collections.abc import Callable, Collection
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.robot_facts import RobotFacts, check_facts
 from rai_missions.errors import UsageError
-from rai_missions.journal import Header, Journal
 from rai_missions.mission.garbage import few_collections
 from rai_missions.mission.mission import Mission, given_mission
 from rai_missions.prove.circles import circling
@@ -28,6 +27,9 @@ from rai_missions.prove.loops import FEW, Loop, long_loops, may_rest, unlike, wi
 from rai_missions.prove.properties import CLAIMS, Property, claims, lost, stuck
 from rai_missions.prove.unrolled import repeated, unrolled
 from rai_missions.redaction import shown
+
+if TYPE_CHECKING:
+    from rai_missions.journal import Header
 
 __all__ = ("CLAIMS", "MOST_STATES", "Proof", "Property", "TraceStep", "prove", "record")
 
@@ -247,5 +249,7 @@ def record(
     Raises:
         UsageError: The file is there already, or none can be written there.
     """
+    from rai_missions.journal import Journal  # slow to import, and a proof alone does without
+
     with Journal.create(path, header) as journal:
         return TraceReplayer(mission, terms, journal).play(run)

@@ -9,14 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rai_missions.engine import Chart
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.step import Ask, CallService, Cause, StartBehaviour, StartGoal, Step
 from rai_missions.event import Event, Tick
 from rai_missions.guards.view import Truth
-from rai_missions.journal import Journal
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.abstraction import PURSUED
 from rai_missions.prove.environment import Environment
@@ -26,6 +25,9 @@ from rai_missions.prove.parts import guards_in
 from rai_missions.prove.properties import Property
 from rai_missions.prove.stimulus import CANCEL, KILL, START
 from rai_missions.prove.store import LEFT
+
+if TYPE_CHECKING:
+    from rai_missions.journal import Journal
 
 __all__ = ("TraceReplayer", "TraceStep", "go", "scenes", "ways_to")
 

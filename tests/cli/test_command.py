@@ -230,6 +230,16 @@ def test_a_process_whose_command_only_reads_leaves_its_garbage_to_the_system(wor
     assert ran.stdout and ran.stderr.split() == [str(is_left)] * 2
 
 
+def test_a_proof_without_a_refutation_leaves_journals_unimported() -> None:
+    program = (
+        "import sys; from rai_missions.cli.main import main;"
+        "main(['prove', 'missions/tractor/mission.json', '--states', '20']);"
+        "print([name for name in ('rai_missions.journal', 'sqlite3') if name in sys.modules], file=sys.stderr)"
+    )
+    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert ran.stderr.splitlines()[-1] == "[]"
+
+
 def test_no_command_that_runs_something_leaves_its_garbage() -> None:
     """A robot's driver may end its work as it is destroyed."""
     readers = {name for name in names() if load_command(name).only_reads}
