@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from rai_missions.embodiment import Identity
-from rai_missions.embodiment.folder import DESCRIPTION, IdentityFolder
-from rai_missions.embodiment.identity import LARGEST, MOST, PICTURES
+from rai_missions.embodiment.folder import DESCRIPTION, PICTURES, IdentityFolder
+from rai_missions.embodiment.identity import LARGEST, MOST
 from rai_missions.embodiment.index.build import MOST_DOCUMENTS
 from rai_missions.embodiment.readers import FORMATS
 from rai_missions.errors import UsageError, suggestion

@@ -13,11 +13,12 @@ from typing import TypeVar
 
 from rai_missions.errors import DefinitionError, Fault, file_text, irregular, pointer
 
-__all__ = ("DESCRIPTION", "IdentityFolder")
+__all__ = ("DESCRIPTION", "PICTURES", "IdentityFolder")
 
 T = TypeVar("T")
 
 DESCRIPTION = "description.md"
+PICTURES = (".jpeg", ".jpg", ".png")
 DEEPEST_FOLDER = 4
 """Folders inside each other."""
 MOST_SEEN = 5_000
@@ -39,7 +40,7 @@ class IdentityFolder:
 
     def __init__(self, folder: Path, largest: Mapping[str, int], *, most: int, inner: bool = False) -> None:
         self.root, self._shown = resolved(folder), str(folder)
-        self.largest, self.faults = largest, list[Fault]()
+        self.largest, self.faults, self._others = largest, list[Fault](), list[Path]()
         try:
             paths = self._listed(self.root, DEEPEST_FOLDER if inner else 0)
         except OSError as error:
@@ -48,6 +49,8 @@ class IdentityFolder:
         if len(paths) > most:
             raise DefinitionError([Fault("", f"has {len(paths)} files; at most {most} are read")], self._shown)
         self.files = {file_text(path.relative_to(self.root)): path for path in paths}
+        self.others = tuple(sorted(file_text(path.relative_to(self.root)) for path in self._others))
+        """Files that end otherwise."""
 
     def fault(self, name: str, sentence: str) -> None:
         """Keep what is wrong with a file, or with the folder where the name is empty."""
@@ -100,8 +103,11 @@ class IdentityFolder:
                     raise DefinitionError([Fault("", why)], self._shown)
                 if left and path.is_dir() and not path.is_symlink() and not path.name.startswith("."):
                     open_folders.append((path, left - 1))
-                elif path.suffix.lower() in self.largest and not path.name.startswith("."):
-                    found.append(path)
+                elif not path.name.startswith("."):
+                    if path.suffix.lower() in self.largest:
+                        found.append(path)
+                    elif path.is_file():
+                        self._others.append(path)
         return sorted(found)
 
 

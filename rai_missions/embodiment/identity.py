@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from rai_missions.embodiment.folder import DESCRIPTION, IdentityFolder
+from rai_missions.embodiment.folder import DESCRIPTION, PICTURES, IdentityFolder
 from rai_missions.embodiment.library import COUNT, Library
 from rai_missions.embodiment.passage import FoundPassages
 from rai_missions.embodiment.readers.plain import decoded
@@ -20,7 +20,6 @@ from rai_missions.redaction import redacted
 
 __all__ = ("Identity",)
 
-PICTURES = (".jpeg", ".jpg", ".png")
 LARGEST = {".md": 1_000_000, ".urdf": 5_000_000, **dict.fromkeys(PICTURES, 10_000_000)}
 """Bytes of a file, by its ending."""
 LARGEST_DESCRIPTION = 200_000

@@ -7,10 +7,12 @@ Source: the URDF XML specification (`robot`, `link`, `inertial`, `collision`, `v
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rai_missions.embodiment.xml_events import RefusedXml, read_xml
+from rai_missions.errors import suggestion
 from rai_missions.redaction import cut, cut_repr
 
 __all__ = ("Body", "BodyJoint", "BodyLink", "BodyShape", "read_body")
@@ -146,13 +148,33 @@ def read_body(_name: str, data: bytes) -> Body:
     """The build that a URDF describes.
 
     Raises:
-        ValueError: It is no well-formed XML, no URDF, has a number that is none, or brings a document type, by which
-            XML can read other files.
+        ValueError: It is no well-formed XML, no URDF, has a number that is none, a joint whose links are not there, or
+            brings a document type, by which XML can read other files.
     """
     found = _Listener()
     read_xml(data, found)
     links = tuple(BodyLink(**{**link, "shapes": tuple(link["shapes"])}) for link in found.links)
-    return Body(found.name, links, tuple(BodyJoint(**joint) for joint in found.joints))
+    joints = tuple(BodyJoint(**joint) for joint in found.joints)
+    if why := next(_contradictions([link.name for link in links], joints), ""):
+        raise ValueError(why)
+    return Body(found.name, links, joints)
+
+
+def _contradictions(links: Sequence[str], joints: Sequence[BodyJoint]) -> Iterator[str]:
+    """Where links and joints do not fit together; of such a file each sentence about the build may be wrong."""
+    for sort, names in (("links", links), ("joints", [joint.name for joint in joints])):
+        yield from (
+            f"has two {sort} called '{name}'; rename one" for name, count in Counter(names).items() if count > 1
+        )
+    known = frozenset(links)
+    for joint in joints:
+        for end, link in (("parent", joint.parent), ("child", joint.child)):
+            if not link:
+                yield f"the joint '{joint.name}' lacks its {end}; write <{end} link=…/>"
+            elif link not in known:
+                yield f"the {end} of the joint '{joint.name}' is '{link}', which is no link{suggestion(link, links)}"
+        if joint.lower is not None and joint.upper is not None and joint.lower > joint.upper:
+            yield f"the limits of the joint '{joint.name}' are {joint.lower:g} to {joint.upper:g}; exchange them"
 
 
 def _part_of_joint(tag: str, attributes: Mapping[str, str], line: int) -> dict[str, Any]:

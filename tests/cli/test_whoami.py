@@ -26,6 +26,13 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     return str(home)
 
 
+def test_a_file_of_another_format_is_named(folder: str, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("manual.doc", "me.png", ".hidden.odt"):
+        (Path(folder) / name).write_bytes(b"")
+    main(["whoami", "build", folder])
+    assert "not read: manual.doc; documents end in .docx, .htm, .html, .md, .pdf" in capsys.readouterr().err
+
+
 def test_a_folder_is_built_asked_and_shown(folder: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["whoami", "build", folder]) == 0
     built = capsys.readouterr()

@@ -19,9 +19,10 @@ from rai_missions.errors import DefinitionError
 from rai_missions.image import Image
 
 URDF = b"""<?xml version="1.0"?>
-<robot name="arm"><link name="base"/><link name="hand"><visual><origin xyz="0 0 0"/></visual></link>
+<robot name="arm"><link name="base"/><link name="rail"/><link name="hand"><visual><origin xyz="0 0 0"/></visual></link>
 <joint name="wrist" type="revolute"><parent link="base"/><child link="hand"/></joint>
-<joint name="mount" type="fixed"/><gazebo><link name="not_ours"/></gazebo></robot>"""
+<joint name="mount" type="fixed"><parent link="rail"/><child link="base"/></joint>
+<gazebo><link name="not_ours"/></gazebo></robot>"""
 
 
 def picture(kind: str, size: tuple[int, int] = (7, 5)) -> bytes:
@@ -61,9 +62,9 @@ def test_an_identity_is_a_description_pictures_a_build_and_documents(tmp_path: P
     ]
     assert identity.portrait == identity.images[0]
     assert identity.body is not None and identity.body.name == "arm"
-    assert [link.name for link in identity.body.links] == ["base", "hand"]
+    assert [link.name for link in identity.body.links] == ["base", "rail", "hand"]
     assert [(joint.name, joint.kind) for joint in identity.body.joints] == [("wrist", "revolute"), ("mount", "fixed")]
-    assert identity.words() == "A tractor.\n\nBuild of 'arm'. Links: base, hand. Moving joints: wrist (revolute)."
+    assert identity.words() == "A tractor.\n\nBuild of 'arm'. Links: base, rail, hand. Moving joints: wrist (revolute)."
 
 
 def test_a_description_is_enough(tmp_path: Path) -> None:

@@ -288,6 +288,23 @@ ENTITY_BOMB = zipped({"word/document.xml": f"{BOMB}<w>&b;</w>"})
             "has a box of negative size in line 1: 1.0, -1.0, 2.0",
         ),
         ("a.urdf", b"<robot><joint name='a'><axis xyz='1 0'/>", "the axis in line 1 is '1 0'; it is 3 numbers"),
+        (
+            "a.urdf",
+            b"<robot><link name='base'/><joint name='j'><parent link='base'/><child link='bace'/></joint></robot>",
+            "the child of the joint 'j' is 'bace', which is no link; did you mean 'base'?",
+        ),
+        (
+            "a.urdf",
+            b"<robot><link name='base'/><joint name='j'><parent link='base'/></joint></robot>",
+            "the joint 'j' lacks its child; write <child link=",
+        ),
+        ("a.urdf", b"<robot><link name='a'/><link name='a'/></robot>", "has two links called 'a'; rename one"),
+        (
+            "a.urdf",
+            b"<robot><link name='a'/><link name='b'/><joint name='j'><parent link='a'/><child link='b'/>"
+            b"<limit lower='2' upper='-2'/></joint></robot>",
+            "the limits of the joint 'j' are 2 to -2; exchange them",
+        ),
         ("a.urdf", b"<robot><joint name='a'><limit lower='nan'/>", "the limit 'lower' in line 1 is 'nan', which is no"),
     ],
 )

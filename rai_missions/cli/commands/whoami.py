@@ -62,7 +62,9 @@ def whoami(
 def _build(library: Library) -> int:
     import sys
 
+    from rai_missions.cli.inputs import warn
     from rai_missions.embodiment import Identity
+    from rai_missions.embodiment.readers import FORMATS
     from rai_missions.errors import DefinitionError, Fault, counted
 
     report, faults = library.build(), tuple[Fault, ...]()
@@ -75,6 +77,8 @@ def _build(library: Library) -> int:
         print(f"{library.folder}: {fault}", file=sys.stderr)
     for name in report.read:
         print(f"read {name}")
+    if report.others:
+        warn(f"not read: {', '.join(report.others[:10])}; documents end in {', '.join(sorted(FORMATS))}")
     read = f"{counted(report.documents, 'document')}, {counted(report.passages, 'passage')}"
     print(f"{read}, {report.embedded} embedded now: {library.index}")
     _warn_of_words_alone(report.has_vectors)

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from rai_missions.embodiment.chunks import passages_of
-from rai_missions.embodiment.folder import IdentityFolder
+from rai_missions.embodiment.folder import PICTURES, IdentityFolder
 from rai_missions.embodiment.index.database import IndexedDocument, IndexedPassage, IndexReader, write_index
 from rai_missions.embodiment.minilm import TextEmbedder
 from rai_missions.embodiment.passage import DocumentPassage
@@ -41,6 +41,8 @@ class BuildReport(NamedTuple):
     faults: tuple[Fault, ...]
     """The documents that are not in the index, each with its remedy."""
     has_vectors: bool
+    others: tuple[str, ...]
+    """Files of formats that are no documents, but for pictures."""
 
 
 def build_index(folder: Path, path: Path, embedder: TextEmbedder | None) -> BuildReport:
@@ -83,7 +85,8 @@ def build_index(folder: Path, path: Path, embedder: TextEmbedder | None) -> Buil
     ]
     write_index(path, {"embedder": name}, found, numbered)
     faults = tuple(Fault(f"/{each.name}", each.fault) for each in found if each.fault)
-    return BuildReport(len(found) - len(faults), len(rows), tuple(read), count, faults, embedder is not None)
+    others = tuple(each for each in files.others if not each.lower().endswith(PICTURES))
+    return BuildReport(len(found) - len(faults), len(rows), tuple(read), count, faults, embedder is not None, others)
 
 
 def is_current(folder: Path, reader: IndexReader, embedder: TextEmbedder | None) -> bool:
