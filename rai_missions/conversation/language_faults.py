@@ -7,7 +7,7 @@ Rule: every fault is found as the language is opened; none is left for the sente
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from string import Formatter
 from typing import Any
 
@@ -42,6 +42,8 @@ OF_A_KIND = re.compile("(refused|end)_")
 KIND_SLOTS = frozenset(("name", "state", "why"))
 SORTS = {bool: "true or false", int: "a number", float: "a number", str: "a text", list: "a list of texts"}
 SLOT = re.compile(r"\{(\w+)\}")
+NAMED_BY_PHRASES = ("/parts/", "/verbs/")
+"""Tables without which no phrase can be read."""
 Steps = tuple[str, ...]
 
 
@@ -56,7 +58,10 @@ def language_faults(data: Any, english: Mapping[str, Any]) -> tuple[Fault, ...]:
         sentence = f"the file is of '{data['language']}', and it is '{english['language']}' here"
         return (Fault("/language", sentence),)
     found = tuple(_shape(data, english, ()))
-    return found or tuple(_writing(data, english, parts_of(data["parts"], data["verbs"]), ()))
+    places = frozenset(fault.place for fault in found)
+    if "" in places or any(f"{each}/".startswith(NAMED_BY_PHRASES) for each in places):
+        return found  # the phrases cannot be read
+    return (*found, *_writing(data, english, parts_of(data["parts"], data["verbs"]), (), places))
 
 
 def _shape(own: Any, english: Any, steps: Steps) -> Iterator[Fault]:
@@ -93,11 +98,15 @@ def _sort_fault(own: Any, english: Any) -> str:
     return f"{shown(odd)} in the list is no text" if odd is not None else ""
 
 
-def _writing(own: Any, english: Any, parts: Mapping[str, str], steps: Steps) -> Iterator[Fault]:
-    """Where a template, a phrase or a pattern cannot be read, or has a slot that has no value."""
+def _writing(
+    own: Any, english: Any, parts: Mapping[str, str], steps: Steps, passed: Collection[str]
+) -> Iterator[Fault]:
+    """Where a template, a phrase or a pattern cannot be read, or has a slot that has no value; `passed` has a fault."""
+    if pointer(steps) in passed:
+        return
     if isinstance(own, Mapping) and not OF_OWN_WORDS.intersection(steps):
-        for name, value in own.items():
-            yield from _writing(value, english[name], parts, (*steps, name))
+        for name in [each for each in own if each in english]:
+            yield from _writing(own[name], english[name], parts, (*steps, name), passed)
     elif steps[0] in ("parts", "verbs"):
         for name, value in own.items():
             listed = "|".join(value) if isinstance(value, list) else value

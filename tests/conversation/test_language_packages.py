@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from rai_missions.agents.talk.settings import conversation_faults
+from rai_missions.cli.main import main
 from rai_missions.conversation import Dialogue, ModelText, Settings, Speech, StatusView, Utterance
 from rai_missions.conversation.language import language, languages
 from rai_missions.conversation.language_faults import language_faults
@@ -160,6 +161,22 @@ def test_a_file_at_fault_is_found_with_the_profile(package: Callable[[str], Path
     file = package(json.dumps(own(lambda data: data["texts"].pop("report_ready"))))
     (fault,) = conversation_faults(robot())
     assert (fault.place, fault.file) == ("/texts/report_ready", str(file))
+
+
+def test_faults_of_all_sorts_are_reported_at_once_and_with_the_file(
+    package: Callable[[str], Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def wrong(data: dict[str, Any]) -> None:
+        data["texts"].pop("report_ready")
+        data["orders"]["stop"].append("(ferma")
+        data["texts"]["report_start"] = "{missione}"
+
+    file, profile = package(json.dumps(own(wrong))), tmp_path / "robot.json"
+    profile.write_text(json.dumps({"name": "r", "connector": {"kind": "local"}, "conversation": {"language": "it"}}))
+    assert main(["check", "missions/templates/patrol/mission.json", "--robot", str(profile)]) == 2
+    reported = [each for each in capsys.readouterr().err.splitlines() if each.startswith(f"{file}: /")]
+    places = ("/texts/report_ready", "/orders/stop", "/texts/report_start")
+    assert [each.split(": ")[1] for each in reported] == [*places]
 
 
 def test_a_file_that_is_no_json_is_named_with_its_line(package: Callable[[str], Path]) -> None:

@@ -98,8 +98,9 @@ def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[Fil
     if mission is not None:
         odd += [*missing_world(mission, profile), *missing_tools(mission, profile)]
         odd += conversation_oddities(profile, mission)
-    findings = (*map(Finding.of, lacking), *(Finding(each.place, each.sentence, "warning") for each in odd))
-    return profile.name or path, tuple(FileFinding(path, each) for each in findings)
+    errors = tuple(FileFinding(each.file or path, Finding.of(each)) for each in lacking)
+    warnings = tuple(FileFinding(path, Finding(each.place, each.sentence, "warning")) for each in odd)
+    return profile.name or path, errors + warnings
 
 
 def _summary(path: str, checked: CheckedFile, profile: str, found: Sequence[FileFinding]) -> str:
