@@ -14,7 +14,10 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from typing import Any, Protocol
 
-__all__ = ("BY", "RaisedSignals", "end_signals", "interruptible", "on_interrupts", "on_signals", "until_signals")
+__all__ = (
+    "BY", "RaisedSignals", "end_signals", "interruptible", "on_interrupts", "on_signals", "until_signals",
+    "wait_for_signal",
+)  # fmt: skip
 
 BY = "operator (interrupt)"
 """Who cancels and stops a run by Ctrl-C, as its journal has it."""
@@ -55,6 +58,14 @@ def on_signals(do: Callable[[int, Any], object]) -> Iterator[None]:
     finally:
         for each, handler in before.items():
             signal.signal(each, handler)
+
+
+def wait_for_signal(serves: Callable[[], bool]) -> None:
+    """Wait for a signal that asks the program to end, as long as something serves."""
+    ended = threading.Event()
+    with on_signals(lambda *_: ended.set()):
+        while not ended.wait(0.5) and serves():
+            pass
 
 
 class RaisedSignals:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from rai_missions.cli.play.session import PlaySession
 from rai_missions.errors import UsageError
 from rai_missions.replay.play import Click
-from rai_missions.runtime.interrupts import on_signals
+from rai_missions.runtime.interrupts import wait_for_signal
 
 if TYPE_CHECKING:
     from visualize.live import LivePage
@@ -111,12 +111,10 @@ def serve(page: LivePage, session: PlaySession, *, opens: bool) -> None:
         session: The play and its files.
         opens: The page is opened in the user's browser, where there is a screen.
     """
-    ended = threading.Event()
     page.start_play(session.play.mission, SessionDesk(session))
     print(f"try: {page.url}", flush=True)
-    with opened(page.url) if opens and has_screen() else nullcontext(), on_signals(lambda *_: ended.set()):
-        while not ended.wait(0.5) and page.serves:
-            pass
+    with opened(page.url) if opens and has_screen() else nullcontext():
+        wait_for_signal(lambda: page.serves)
 
 
 def has_screen() -> bool:

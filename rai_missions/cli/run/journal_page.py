@@ -3,13 +3,12 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rai_missions.cli.inputs import warn
-from rai_missions.runtime.interrupts import on_signals
+from rai_missions.runtime.interrupts import wait_for_signal
 
 if TYPE_CHECKING:
     from visualize.live import LivePage
@@ -29,7 +28,6 @@ def show_journal(page: LivePage, path: Path, own: Mapping[str, Any] | None) -> N
     from visualize.live import JournalFeed
     from visualize.live.journal_feed import PLAYED
 
-    ended = threading.Event()
     with journal_of(str(path)) as journal:
         warn(journal.warning)
         _check_mission(journal.path)
@@ -41,9 +39,7 @@ def show_journal(page: LivePage, path: Path, own: Mapping[str, Any] | None) -> N
             warn(f"this run was played: {PLAYED}")
         if own is not None:
             warn(f"this page only shows the run; the run's own page takes commands: {own['url']}")
-        with on_signals(lambda *_: ended.set()):
-            while not ended.wait(0.5) and page.serves:
-                pass
+        wait_for_signal(lambda: page.serves)
 
 
 def _check_mission(journal: Path) -> None:
