@@ -407,7 +407,7 @@ class ConversationalAgent:
 
     def _order_end(self, order: Order) -> OnOrderEnd:
         def on_end(result: OrderResult) -> None:
-            end = OrderEnd(order.number, result.refused, self._now(), result.kind, result.name)
+            end = OrderEnd(order.number, result, self._now())
             self._post(lambda: self._dialogue.on_order_end(end))
 
         return on_end

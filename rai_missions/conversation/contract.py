@@ -11,7 +11,15 @@ from typing import Any, NamedTuple
 
 from rai_missions.conversation.conversation_file import ConversationFile
 from rai_missions.conversation.dialogue import Dialogue
-from rai_missions.conversation.inputs import DocumentQuote, FoundQuotes, ModelText, OrderEnd, SpeechEnd, Utterance
+from rai_missions.conversation.inputs import (
+    DocumentQuote,
+    FoundQuotes,
+    ModelText,
+    OrderEnd,
+    OrderResult,
+    SpeechEnd,
+    Utterance,
+)
 from rai_missions.conversation.outputs import AskModel, DropModel, LookUp, Order, Output, Silence, Speech, TalkNote
 from rai_missions.conversation.settings import Settings
 from rai_missions.conversation.view import BuildView, KeyView, MissionView, ProgressView, RunEvent, StatusView
@@ -183,7 +191,9 @@ class _Player:
         return self.dialogue.on_speech_end(SpeechEnd(key, turn.get("result", "whole"), at))
 
     def _order_end(self, turn: Mapping[str, Any], at: float) -> tuple[Output, ...]:
-        return self.dialogue.on_order_end(OrderEnd(self.order, turn["order_end"], at, turn.get("kind", "")))
+        return self.dialogue.on_order_end(
+            OrderEnd(self.order, OrderResult(turn["order_end"], turn.get("kind", "")), at)
+        )
 
     def _speaker(self, turn: Mapping[str, Any], at: float) -> tuple[Output, ...]:
         return self.dialogue.on_speaker(is_alive=turn["speaker"] == "alive", at=at)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeVar
 
-from rai_missions.conversation.inputs import OrderEnd, Utterance
+from rai_missions.conversation.inputs import OrderEnd, OrderResult, Utterance
 from rai_missions.conversation.language import spoken
 from rai_missions.conversation.order_words import order_words
 from rai_missions.conversation.outputs import Order
@@ -120,21 +120,21 @@ class GivenOrders:
         judged = self._under_way.pop(end.number, None)
         if judged is None:
             return
-        why = cut(end.refused, LONGEST_REASON)
+        why = cut(end.result.refused, LONGEST_REASON)
         self._talk.note("performed", order_number=end.number, order=judged.sense.name, refused=why)
         if why:
             self.taking_until = float("-inf")
         if why and judged.sense.name == "start":
             self._starting_until = float("-inf")
         if why and not judged.is_reported:
-            words = self._reason(end, judged.sense, why)
+            words = self._reason(end.result, judged.sense, why)
             self._speaking.reply("refused", judged.utterance.unnumbered, order=judged.words, why=words.rstrip("."))
 
-    def _reason(self, end: OrderEnd, sense: Sense, why: str) -> str:
+    def _reason(self, result: OrderResult, sense: Sense, why: str) -> str:
         """A refusal in the language of the conversation."""
-        language, name = self._talk.language, spoken(end.name or sense.option)
+        language, name = self._talk.language, spoken(result.name or sense.option)
         state = state_of_run(self._talk.view, language)
-        return language.text(f"refused_{end.kind or 'other'}", why=why, state=state, name=name)
+        return language.text(f"refused_{result.kind or 'other'}", why=why, state=state, name=name)
 
     def await_earlier(self, answers: Sequence[Order]) -> None:
         """Report, to every channel, if one of these answers is refused, which a program before this one gave out."""

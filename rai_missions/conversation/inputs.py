@@ -154,13 +154,8 @@ class OrderEnd(NamedTuple):
 
     number: int
     """Of the `Order`."""
-    refused: str = ""
-    """Why it was not carried out, in a sentence; empty where it was."""
+    result: OrderResult = OrderResult()
     at: float = 0.0
-    kind: RefusalKind = ""
-    """As in its `OrderResult`."""
-    name: str = ""
-    """As in its `OrderResult`."""
 
 
 def by_words(role: Role, author: str, channel: str) -> str:

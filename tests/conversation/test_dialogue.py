@@ -25,6 +25,7 @@ from rai_missions.conversation import (
     TalkNote,
     Utterance,
 )
+from rai_missions.conversation.inputs import OrderResult
 from rai_missions.conversation.sentences import SentenceStream, sentences
 from rai_missions.engine.decision import Offer, Question
 
@@ -77,7 +78,7 @@ def test_why_it_stopped_is_known_before_the_run_has_taken_the_order(order: str) 
     outputs = dialogue.on_utterance(Utterance(order, "operator", "terminal", "Anna", 1.0), RUNNING)
     number = next(each.number for each in outputs if isinstance(each, Order))
     assert "operator Anna (terminal)" in why(1.0)
-    dialogue.on_order_end(OrderEnd(number, "the mission has ended", 2.0))
+    dialogue.on_order_end(OrderEnd(number, OrderResult("the mission has ended"), 2.0))
     assert "Anna" not in why(2.0)
 
 
@@ -128,7 +129,9 @@ def test_a_request_waits_for_something_and_none_begins_after_a_stop(happens: lis
             view = view._replace(run=f"r{at}", mode="running", outcome=None)
         outputs = dialogue.on_time(at)
         if happening in ("refused", "waits"):
-            outputs += tuple(each for number in orders for each in dialogue.on_order_end(OrderEnd(number, "no", at)))
+            outputs += tuple(
+                each for number in orders for each in dialogue.on_order_end(OrderEnd(number, OrderResult("no"), at))
+            )
             orders.clear()
         elif happening in ("failed", "succeeded") and at % 2:
             outputs += dialogue.on_status(view, at)  # else the next sentence comes before it is seen

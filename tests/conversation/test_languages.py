@@ -14,7 +14,7 @@ from typing import Any, get_args
 import pytest
 
 from rai_missions.conversation import Dialogue, Order, OrderEnd, Settings, Speech, StatusView, Utterance
-from rai_missions.conversation.inputs import RefusalKind
+from rai_missions.conversation.inputs import OrderResult, RefusalKind
 from rai_missions.conversation.language import Language, language, languages
 from rai_missions.conversation.view import EndKind
 from rai_missions.testing import play_conversation
@@ -87,7 +87,7 @@ def refused(code: str, kind: RefusalKind, why: str) -> str:
     dialogue = Dialogue(Settings(language=code), view)
     outputs = dialogue.on_utterance(Utterance("pause", "operator", "terminal", at=1.0), view)
     number = next(each.number for each in outputs if isinstance(each, Order))
-    ends = dialogue.on_order_end(OrderEnd(number, why, 2.0, kind))
+    ends = dialogue.on_order_end(OrderEnd(number, OrderResult(why, kind), 2.0))
     return next(each.text for each in ends if isinstance(each, Speech))
 
 

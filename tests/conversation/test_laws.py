@@ -28,6 +28,7 @@ from rai_missions.conversation import (
     StatusView,
     Utterance,
 )
+from rai_missions.conversation.inputs import OrderResult
 from rai_missions.engine.decision import Offer, Question
 from rai_missions.profile import ConversationPolicy
 from tests.conversation.stored import SENTENCES
@@ -154,7 +155,7 @@ class Referee:
             self._judge(self.dialogue.on_speech_end(SpeechEnd(speech.key, result, self.at)), None)
 
     def _order(self, number: int, why: str) -> None:
-        self._judge(self.dialogue.on_order_end(OrderEnd(number, why, self.at)), None)
+        self._judge(self.dialogue.on_order_end(OrderEnd(number, OrderResult(why), self.at)), None)
 
     def _waits(self, seconds: float) -> None:
         self.at += seconds

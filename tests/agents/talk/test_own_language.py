@@ -154,5 +154,5 @@ def test_a_start_that_the_mission_refuses_is_refused_in_german() -> None:
         dialogue, result = Dialogue(GERMAN, given), OrderResult.of_start([fault])
         dialogue.on_utterance(Utterance("starte", "operator", "terminal", at=1.0), given)
         dialogue.on_utterance(Utterance("ja", "operator", "terminal", at=2.0), given)
-        outputs = dialogue.on_order_end(OrderEnd(1, result.refused, 3.0, result.kind, result.name))
+        outputs = dialogue.on_order_end(OrderEnd(1, result, 3.0))
         assert [each.text.partition(": ")[2] for each in outputs if isinstance(each, Speech)] == [f"{why}."]
