@@ -68,7 +68,8 @@ class Grammar:
         parts = self.language.normaliser.parts(text) if is_open and not several else []
         edges = self._edges(text, view) if is_open else []
         is_stop = any(sense.is_stop for sense in several)
-        if is_open and not is_stop and self._is_cried(text, words, edges, view):
+        is_urgent = is_open and not is_stop
+        if is_urgent and (self._is_cried(text, words, edges, view) or self._is_stop_passed_on(words, view)):
             return (STOP,)
         if len(parts) < 2:
             clauses = self.language.normaliser.remarks(text) if any(each.thing for each in whole) else []
@@ -134,6 +135,16 @@ class Grammar:
         is_again = words[1:2] == first and stop.fits(first)
         heads = [self._ahead_of_reason(each) for each in edges if not text.rstrip().endswith("?")]
         return is_again or any(map(stop.fits, (*edges, *heads))) or self._warns(text, edges, view)
+
+    def _is_stop_passed_on(self, words: list[str], view: StatusView) -> bool:
+        """Whether another person wants a stop, `Mila wants you to stop`; not where none does, or in a question."""
+        language = self.language
+        is_asked = not set(words[:1]).isdisjoint(language.data["asking"])
+        if is_asked or not set(words).isdisjoint(language.data["claims"]["negations"]):
+            return False
+        relayed = language.relayed.match(language.normaliser.bare(words))
+        passed_on = (language.imperative(slots["order"].split()) for slots in relayed)
+        return any(STOP in self.sentence.senses(order, view) for order in passed_on)
 
     def _warns(self, text: str, edges: Sequence[list[str]], view: StatusView) -> bool:
         """Whether it is a warning, `watch out, the dog!`, and does not announce what the person wants to express."""

@@ -329,6 +329,25 @@ def test_an_order_that_is_passed_on_is_read_back(code: str) -> None:
         assert read_back(outputs) == meant, sentence
 
 
+RELAYED_STOPS = {
+    "en": ("Mila wants you to stop", "my mum would like you to stop, please", "Dad wants me to get you to stop now"),
+    "de": ("Mila will, dass du anhältst", "Oma möchte, dass du stehen bleibst"),
+}
+UNSTOPPED = {
+    "en": ("nobody wants you to stop", "who wants you to stop", "Mila wants you to stop by the kitchen"),
+    "de": ("niemand will, dass du anhältst", "wer will, dass du anhältst"),
+}
+
+
+@pytest.mark.parametrize("code", languages())
+def test_a_stop_that_is_passed_on_stops_at_once(code: str) -> None:
+    ordered = {
+        text: [each.name for each in replies(text, code) if isinstance(each, Order)]
+        for text in (*RELAYED_STOPS[code], *UNSTOPPED[code])
+    }
+    assert ordered == {text: ["stop"] if text in RELAYED_STOPS[code] else [] for text in ordered}
+
+
 REASONED = {
     "en": {
         "go to the kitchen{}": ("because the kettle boils", "so that we know it's quiet", "while my tea is hot"),
@@ -338,6 +357,7 @@ REASONED = {
     "de": {
         "fahre in die Küche{}": (", weil das Wasser kocht", "während wir essen", ", denn es ist spät"),
         "warte 60 Sekunden{}, dann fahre heim": (", damit ich ruhen kann", ", weil mir kalt ist"),
+        "warte 60 Sekunden{}": ("während der Kessel kocht", "damit wir essen", "während meine Suppe kocht"),
     },
 }  # fmt: skip
 REASONED_ORDERS = {
