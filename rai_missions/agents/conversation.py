@@ -43,6 +43,7 @@ from rai_missions.conversation import (
 from rai_missions.conversation.grammar import Grammar
 from rai_missions.conversation.inputs import OrderResult, SpeechResult
 from rai_missions.conversation.language import language
+from rai_missions.conversation.likeness import Likeness, WordLikeness
 from rai_missions.conversation.senses import STOP
 from rai_missions.embodiment.library import Library
 from rai_missions.engine.step import Step
@@ -62,7 +63,7 @@ LONGEST_STOP = 200
 """Characters of a sentence that may be an order to stop."""
 MOST_WAITING = 64
 """Sentences that may wait for their turn."""
-SETTINGS, NO_ROBOT = Settings(), RobotWords()
+SETTINGS, NO_ROBOT, WORDS = Settings(), RobotWords(), WordLikeness()
 ROLES = get_args(Role)
 StartRun = Callable[[Order, OnOrderEnd], None]
 """Begins another run, once one is over."""
@@ -79,6 +80,7 @@ class ConversationalAgent:
         robot: Who the robot is.
         start: Begins another run where one is over and a person orders so, at once or from those that wait, and takes
             back by "stop" what it has not begun; None: then that is refused, and none waits.
+        likeness: Compares what no rule reads with the phrases of orders.
         now: The dialogue's clock, in seconds; the wall's by default.
 
     Raises:
@@ -94,6 +96,7 @@ class ConversationalAgent:
         doors: Sequence[TalkDoor] = (),
         robot: RobotWords = NO_ROBOT,
         start: StartRun | None = None,
+        likeness: Likeness = WORDS,
         now: Callable[[], float] | None = None,
     ) -> None:
         _check_sorts(settings, model, library, doors)
@@ -106,7 +109,7 @@ class ConversationalAgent:
         began = time.monotonic()
         self._now = now or (lambda: time.monotonic() - began)
         self._opened_at = self._now()
-        self._dialogue = Dialogue(self._settings, StatusView())
+        self._dialogue = Dialogue(self._settings, StatusView(), likeness)
         self._grammar = Grammar(language(settings.language))
         self._worker = Worker("conversation", on_error=self._failed)
         self._attached: AttachedRun | None = None

@@ -23,11 +23,8 @@ MOST_TABLES = 64
 class Likeness(Protocol):
     """Compares a sentence with examples."""
 
-    least: float
-    """The likeness from which on two texts are about the same."""
-
     def scores(self, text: str, examples: Sequence[str]) -> Sequence[float]:
-        """The likeness to each example, from 0 to 1; none where they cannot be compared now."""
+        """The likeness to each example: from 0.5 on they are about the same, and 1 is equal."""
 
 
 class WordTable(NamedTuple):
@@ -39,8 +36,6 @@ class WordTable(NamedTuple):
 
 class WordLikeness:
     """The words that two texts share, each by its rarity: the cosine of both."""
-
-    least = 0.5
 
     def scores(self, text: str, examples: Sequence[str]) -> Sequence[float]:
         """As `Likeness`."""

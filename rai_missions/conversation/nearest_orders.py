@@ -33,6 +33,8 @@ MOST_EXAMPLES = 24
 MOST_WORDS = 30
 """Words of the longest sentence to which orders are offered."""
 MOST_OFFERS = 3
+LEAST = 0.5
+"""The likeness from which on an order without values is offered."""
 LONGEST_SUBJECT = 3
 """Words of the longest subject of a statement."""
 LONGEST_VALUE = 4
@@ -192,7 +194,7 @@ class NearestOrders:
         for form in forms:
             likeness = max(next(each) for _ in form.examples)
             used = len(form.slots)
-            if used or likeness >= self._likeness.least:
+            if used or likeness >= LEAST:
                 values = {name: named[name].value for name in sorted(form.slots)}
                 yield (
                     (used, likeness),

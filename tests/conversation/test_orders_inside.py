@@ -334,7 +334,7 @@ RELAYED_STOPS = {
     "de": ("Mila will, dass du anhältst", "Oma möchte, dass du stehen bleibst"),
 }
 UNSTOPPED = {
-    "en": ("nobody wants you to stop", "who wants you to stop", "Mila wants you to stop by the kitchen"),
+    "en": ("no person wants you to stop", "who wants you to stop", "Mila wants you to stop by the kitchen"),
     "de": ("niemand will, dass du anhältst", "wer will, dass du anhältst"),
 }
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from rai_missions.agents.conversation import ConversationalAgent
 from rai_missions.agents.talk.journal import earlier_lines, waiting_requests
+from rai_missions.agents.talk.meaning import likeness_in
 from rai_missions.agents.talk.run_status import RobotWords
 from rai_missions.agents.talk.settings import settings_of
 from rai_missions.cli.inputs import warn
@@ -78,12 +79,14 @@ class TalkSession:
         if identity is not None:
             words = RobotWords(self._name, identity.first_sentence, _build(identity))
         self._runs = TalkRuns(config, waits=waits, is_reachable=lambda: self._is_reachable)
+        settings = settings_of(policy)
         self._agent = ConversationalAgent(
-            settings_of(policy),
+            settings,
             model=_model(options, prepared, identity),
             robot=words,
             library=identity.library if identity is not None else None,
             start=self._runs.order if self._is_alone else None,
+            likeness=likeness_in(settings.language),
         )
 
     def run(self, prepared: PreparedRun, doors: Iterable[TalkDoor]) -> None:
