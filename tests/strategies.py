@@ -12,6 +12,7 @@ from typing import Any
 from hypothesis import strategies as st
 
 from rai_missions.mission.mission import Mission
+from rai_missions.model.references import template_paths
 
 __all__ = ("EVENTS", "KEYS", "SIGHTS", "guards", "mission_documents", "missions", "tree_nodes")
 
@@ -67,6 +68,9 @@ SIGHTS: tuple[Json, ...] = tuple(
     )
 )
 """What a robot may see: two cubes apart, stacked, one alone, and next to something on which nothing can rest."""
+FIELDS = ("a", "b", "pose")
+CONSTANTS: tuple[Any, ...] = (None, True, 2, 1.5, "grün", [], {}, {"x": [1, None]})
+RESULTS: tuple[Json, ...] = ({}, {"count": "n"}, {"count": "a.0.n", "armed": "ok"}, {"wanted": "goal"})
 OPTIONS = ("drive_over", "replan", "wait", "give_up")
 ACTIVITY_ENDS = ("succeeded", "failed", "unverified", "timed_out", "rejected")
 DEPTH = 2
@@ -127,6 +131,36 @@ def guards(states: tuple[str, ...] = (), *, timed: bool = True) -> st.SearchStra
     return st.recursive(st.one_of(leaves), around, max_leaves=4)
 
 
+def _around(inner: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
+    return st.one_of(st.lists(inner, max_size=2), st.dictionaries(st.sampled_from(FIELDS), inner, max_size=2))
+
+
+@functools.cache
+def sent(*paths: str, wholes: tuple[str, ...]) -> st.SearchStrategy[Json]:
+    """Goals, requests, messages and payloads: fields and lists with constants and references in them, or a reference.
+
+    Args:
+        paths: What the references in it name.
+        wholes: Keys with fields, any of which may be referred to as the whole.
+    """
+    refers = st.sampled_from((*paths, *wholes)).map(lambda path: {"from": path})
+    parts = st.recursive(st.one_of(refers, st.sampled_from(CONSTANTS)), _around, max_leaves=3)
+    fields = st.dictionaries(st.sampled_from(FIELDS), parts, max_size=2)
+    return st.one_of(st.just({}), fields, st.sampled_from(wholes).map(lambda path: {"from": path}))
+
+
+def known() -> st.SearchStrategy[Json]:
+    """What can always be sent."""
+    return sent("count", "alleys", "armed", "request", "waypoints.0", "home.x", wholes=("home",))
+
+
+def anything() -> st.SearchStrategy[Json]:
+    """What cannot be sent while a part of it is unknown."""
+    return sent(
+        "battery", "obstacle.height_m", "reading.goal", "count", "home.x", wholes=("home", "obstacle", "wanted")
+    )
+
+
 @functools.cache
 def effects(*, raising: bool = False) -> st.SearchStrategy[list[Json]]:
     """Effects of a transition, an entry or an exit.
@@ -134,14 +168,19 @@ def effects(*, raising: bool = False) -> st.SearchStrategy[list[Json]]:
     Args:
         raising: With `raise` at once, which only transitions fired from outside may have.
     """
-    known: list[Json] = [
+    fixed: list[Json] = [
         {"set": "count", "value": 0}, {"set": "count", "add": 1}, {"set": "count", "from": "alleys"},
         {"set": "armed", "value": True}, {"set": "wanted", "from": "reading.goal"},
-        {"call": "horn", "request": {"seconds": 2}},
-        {"publish": "lamp", "message": {"on": True}}, {"say": "careful"}, {"log": "noted"},
-        {"raise": "poke", "after_s": 3.0, "id": "later"}, {"drop": "later"},
+        {"say": "careful"}, {"log": "noted"}, {"drop": "later"},
     ]  # fmt: skip
-    return st.lists(st.sampled_from(known + ([{"raise": HINT}] if raising else [])), max_size=2)
+    later = {"raise": "poke", "after_s": 3.0, "id": "later"}
+    unsure = st.sampled_from([{"a": [{"from": "obstacle.height_m"}]}, {"from": "obstacle"}])
+    sending = [
+        st.one_of(known(), unsure).map(lambda request: {"call": "horn", "request": request}),
+        st.one_of(known(), unsure).map(lambda message: {"publish": "lamp", "message": message}),
+        known().map(lambda data: {**later, "data": data}),
+    ]
+    return st.lists(st.one_of(st.sampled_from(fixed + ([{"raise": HINT}] if raising else [])), *sending), max_size=2)
 
 
 def asked(draw: Draw) -> Json:
@@ -179,12 +218,12 @@ def tree_nodes(draw: Draw, depth: int = 2) -> Json:
         return {"decision": question, **({"then": then} if then else {})}
     given: Json = {
         "timeout": lambda: {"timeout": 4.0, "child": draw(children)},
-        "call": lambda: {"call": "horn", "timeout_s": 2.0},
-        "action": lambda: {"action": "cross", "timeout_s": 5.0},
+        "call": lambda: {"call": "horn", "request": draw(anything()), "timeout_s": 2.0},
+        "action": lambda: {"action": "cross", "goal": draw(anything()), "timeout_s": 5.0},
         "check": lambda: {"check": draw(guards(timed=False))},
         "wait_s": lambda: {"wait_s": draw(st.sampled_from([0.5, 2.0]))},
         "set": lambda: {"set": "count", "add": 1},
-        "publish": lambda: {"publish": "lamp", "message": {"on": True}},
+        "publish": lambda: {"publish": "lamp", "message": draw(anything())},
     }[word]()
     return given
 
@@ -242,14 +281,18 @@ class _Draft:
 
     def _action(self, depth: int) -> Json:
         achieved = self.draw(st.none() | guards(timed=False))
-        goal = self.draw(st.sampled_from([{}, {"pose": {"from": "home"}, "speed": 1.2}]))
         return {
             "action": self.draw(st.sampled_from(["drive", "cross", "go_home"])), "timeout_s": 30.0,
-            **({"goal": goal} if goal else {}), **({"achieved": achieved} if achieved else {}),
+            **self.sends("goal"), **({"achieved": achieved} if achieved else {}),
         }  # fmt: skip
 
     def _call(self, depth: int) -> Json:
-        return {"call": "replan", "timeout_s": 10.0, **({"result": {"count": "n"}} if self.draw(st.booleans()) else {})}
+        return {"call": "replan", "timeout_s": 10.0, **self.sends("request")}
+
+    def sends(self, word: str) -> Json:
+        """What a state sends, and what it keeps of what comes back."""
+        what, result = self.draw(st.one_of(known(), anything())), self.draw(st.sampled_from(RESULTS))
+        return ({word: what} if what else {}) | ({"result": result} if result else {})
 
     def _read(self, depth: int) -> Json:
         return {"read": "request", "over": "objects", "into": "reading"}
@@ -306,6 +349,9 @@ class _Draft:
         ends = self.draw(st.sampled_from([(), ("succeeded",), ("succeeded", "failed"), (list(ACTIVITY_ENDS[1:]),)]))
         if state.keys() & {"action", "call"}:
             transitions += [self.transition({"on": end}, self.anywhere(), raising=True) for end in ends]
+            if "rejected" in str(ends) and may_lack(state):
+                transitions[-1]["on"] = [end for end in transitions[-1]["on"] if end != "rejected"]
+                transitions += [{"on": "rejected", "to": self.draw(st.sampled_from(forward))}] if forward else []
         elif "read" in state and forward:
             do: Json = {"do": [{"set": "wanted", "from": "reading.goal"}]}
             transitions.append({"on": "succeeded", "to": self.draw(st.sampled_from(forward)), **do})
@@ -346,6 +392,13 @@ class _Draft:
         do = self.draw(effects(raising=raising))
         transition = {**trigger, **({"to": to} if to is not None else {})}
         return {**transition, "do": do or [{"log": "stays"}]} if to is None or do else transition
+
+
+def may_lack(state: Json) -> bool:
+    """Whether what a state sends may have an unknown part: then it is `rejected` in the step in which it begins."""
+    sites = (template_paths(state.get(word, {})) for word in ("goal", "request"))
+    sure = {name for name, key in KEYS.items() if "initial" in key}
+    return any(path.partition(".")[0] not in sure for paths in sites for path, _ in paths)
 
 
 @st.composite
