@@ -9,6 +9,7 @@ from rai_missions.model.family import FAMILY, AnyOf, TaggedModel, kind_of
 from rai_missions.model.fields import (
     LISTED,
     RECORDED,
+    WHOLE,
     ActionName,
     Bool,
     EventName,
@@ -42,6 +43,7 @@ __all__ = (
     "FAMILY",
     "LISTED",
     "RECORDED",
+    "WHOLE",
     "ActionName",
     "AnyOf",
     "Bool",

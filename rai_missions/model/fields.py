@@ -15,8 +15,8 @@ from pydantic_core import PydanticCustomError, PydanticKnownError
 from rai_missions.model.references import EVENT, KEY, PATH, STATE, TIMER, OneOrMany, Refers
 
 __all__ = (
-    "LISTED", "NAME", "NOT_NULL", "PATH_PATTERN", "RECORDED", "ActionName", "Bool", "EventName", "Format", "HasPath",
-    "Integer", "Json", "KeyName", "KeyPath", "Name", "Number", "Path", "Seconds", "ServiceName", "StateName",
+    "LISTED", "NAME", "NOT_NULL", "PATH_PATTERN", "RECORDED", "WHOLE", "ActionName", "Bool", "EventName", "Format",
+    "HasPath", "Integer", "Json", "KeyName", "KeyPath", "Name", "Number", "Path", "Seconds", "ServiceName", "StateName",
     "StateNames", "Text", "TimerName", "TopicName", "Value", "alike", "fault", "is_recorded", "one_or_many",
     "refuse",
 )  # fmt: skip
@@ -146,6 +146,15 @@ def _frozen(value: Any) -> Any:
 
 Json = Annotated[Any, AfterValidator(_frozen)]
 """A JSON value; in Python a reference made by `Keys` is read as `{"from": path}`."""
+
+
+def _as_whole(value: Any) -> Any:
+    text = _key_text(value)
+    return value if text is value else {"from": text}
+
+
+WHOLE = BeforeValidator(_as_whole)
+"""In Python a reference may be the whole of what is sent."""
 
 
 def _not_null(value: Any) -> Any:

@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar
 from pydantic import Field
 
 from rai_missions.guards.guard import Guard, GuardOrKey
-from rai_missions.model import ActionName, AnyOf, Bool, Json, MissionModel, Seconds, Text, Value
+from rai_missions.model import WHOLE, ActionName, AnyOf, Bool, Json, MissionModel, Seconds, Text, Value
 from rai_missions.model.references import TEMPLATE
 from rai_missions.states.control import Controller
 from rai_missions.states.effects import Effect, call_lines
@@ -24,7 +24,7 @@ class GoalFields(MissionModel):
 
     action: ActionName
     """The profile's name of it."""
-    goal: Annotated[dict[Text, Json], TEMPLATE] = Field(default_factory=dict)
+    goal: Annotated[dict[Text, Json], WHOLE, TEMPLATE] = Field(default_factory=dict)
     """The goal's fields; `{"from": key}` takes a value from the blackboard."""
     result: dict[ResultKey, Text] = Field(default_factory=dict)
     """Mission key → the field of the result that it takes."""

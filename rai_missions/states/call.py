@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar
 
 from pydantic import Field
 
-from rai_missions.model import Json, MissionModel, Seconds, ServiceName, Text, Value
+from rai_missions.model import WHOLE, Json, MissionModel, Seconds, ServiceName, Text, Value
 from rai_missions.model.references import TEMPLATE
 from rai_missions.states.control import Controller
 from rai_missions.states.effects import Effect, call_lines
@@ -23,7 +23,7 @@ class CallFields(MissionModel):
 
     call: ServiceName
     """The profile's name of it."""
-    request: Annotated[dict[Text, Json], TEMPLATE] = Field(default_factory=dict)
+    request: Annotated[dict[Text, Json], WHOLE, TEMPLATE] = Field(default_factory=dict)
     """The request's fields; `{"from": key}` takes a value from the blackboard."""
     result: dict[ResultKey, Text] = Field(default_factory=dict)
     """Mission key → the field of the reply that it takes."""

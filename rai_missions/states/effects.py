@@ -13,6 +13,7 @@ from pydantic import AfterValidator, Field, model_validator
 
 from rai_missions.errors import steps_of
 from rai_missions.model import (
+    WHOLE,
     EventName,
     Json,
     KeyPath,
@@ -132,7 +133,7 @@ class Raise(Effect, word="raise"):
     """Seconds until it is raised; without them it is raised inside the step."""
     id: TimerName | None = None
     """What `drop` calls it by; a second one of the same id replaces the first."""
-    data: Annotated[dict[str, Json], TEMPLATE] = Field(default_factory=dict)
+    data: Annotated[dict[str, Json], WHOLE, TEMPLATE] = Field(default_factory=dict)
     """What it brings along; read as `event.<field>`."""
 
     def __init__(
@@ -162,7 +163,7 @@ class Call(Effect, word="call"):
 
     call: ServiceName
     """The service, by the profile's name of it."""
-    request: Annotated[dict[str, Json], TEMPLATE] = Field(default_factory=dict)
+    request: Annotated[dict[str, Json], WHOLE, TEMPLATE] = Field(default_factory=dict)
     """The request's fields; a reference takes a value from the blackboard."""
 
     def __init__(self, call: str, request: Mapping[str, Value] = {}) -> None: ...
@@ -178,7 +179,7 @@ class Publish(Effect, word="publish"):
 
     publish: TopicName
     """The topic, by the profile's name of it."""
-    message: Annotated[dict[str, Json], TEMPLATE] = Field(default_factory=dict)
+    message: Annotated[dict[str, Json], WHOLE, TEMPLATE] = Field(default_factory=dict)
     """The message's fields; a reference takes a value from the blackboard."""
 
     def __init__(self, publish: str, message: Mapping[str, Value] = {}) -> None: ...

@@ -136,8 +136,8 @@ def test_functions_for_authors_explain_their_words(function: Any) -> None:
         (lambda: State(entry=[Named("on")]), "/entry/0: an effect is an object, not a guard"),
         (lambda: Set("n", add=Ref("k")), "/add: <k> is not a number; its value is known in a run: write a constant"),
         (
-            lambda: Action("go", goal=Ref("k")),
-            "/goal: <k> is not an object; its value is known in a run: write a const",
+            lambda: Action("go", result=Ref("k")),
+            "/result: <k> is not an object; its value is known in a run: write a const",
         ),
         (lambda: Option("go", whn=1), "Option(…): /whn: an option has no 'whn'; did you mean 'when'?"),
         (lambda: tree.Call("horn", timeot_s=1), "a tree node with 'call' has no 'timeot_s'; did you mean 'timeout_s'?"),

@@ -10,18 +10,7 @@ from pydantic import Field, model_validator
 
 from rai_missions.errors import suggestion
 from rai_missions.guards.guard import Guard, GuardOrKey
-from rai_missions.model import (
-    AnyOf,
-    Json,
-    KeyPath,
-    Name,
-    Number,
-    Path,
-    Seconds,
-    TopicName,
-    Value,
-    fault,
-)
+from rai_missions.model import WHOLE, AnyOf, Json, KeyPath, Name, Number, Path, Seconds, TopicName, Value, fault
 from rai_missions.model.references import TEMPLATE, KeyValue, Refers
 from rai_missions.states.action import GoalFields
 from rai_missions.states.call import CallFields
@@ -144,7 +133,7 @@ class PublishLeaf(TreeNode, word="publish"):
 
     publish: TopicName
     """The topic, by the profile's name of it."""
-    message: Annotated[dict[str, Json], TEMPLATE] = Field(default_factory=dict)
+    message: Annotated[dict[str, Json], WHOLE, TEMPLATE] = Field(default_factory=dict)
     """The message's fields; a reference takes a value from the blackboard."""
 
     def __init__(self, publish: str, message: Mapping[str, Value] = {}, *, name: str = "") -> None: ...
