@@ -258,7 +258,7 @@ def views() -> list[Any]:
         ({"held": {"in": "a"}, "for_s": 2}, {"held": {"in": "a"}, "for_s": 1}, "weakened"),
         ({"elapsed_s": 2}, {"elapsed_s": 5}, "strengthened"),
         ({"near": ["p", "q"], "within_m": 1}, {"near": ["q", "p"], "within_m": 2}, "weakened"),
-        ({"key": "count", "==": 1}, {"not": {"key": "count", "in": [True]}}, "changed"),
+        ({"key": "count", "==": 1}, {"not": {"key": "count", "in": [True]}}, "weakened"),
     ],
 )
 def test_what_became_of_a_guard(old: Any, new: Any, how: str) -> None:
