@@ -81,7 +81,7 @@ class MessageEncoder:
         self.attach(blobs, when)
         self.json(JOURNAL_TOPIC, JOURNAL, {"row": number, "kind": kind, "content": content, "hash": digest}, when)
         if kind == "step":
-            step = step_of(decode(orjson.loads(content)["step"]))
+            step = step_of(decode(json.loads(content)["step"]))
             self.json(f"{TOPIC}steps", STEP, step, when)
             self.json(f"{TOPIC}log", LOG, log_of(step, self._mission.name, when.run), when)
 
@@ -98,7 +98,10 @@ class MessageEncoder:
 
 
 def _text_of(content: Any) -> bytes:
-    """JSON; the library of Python writes what orjson refuses: a long integer, or half a surrogate pair."""
+    """JSON; the library of Python writes what orjson refuses: a long integer, or half a surrogate pair.
+
+    It reads them as well, where orjson makes a long integer a number with a point.
+    """
     try:
         return orjson.dumps(content)
     except TypeError:

@@ -116,3 +116,10 @@ def read_as_far(path: Path) -> tuple[list[int], str]:
             return [raw[0] for raw in record.raw()], replayed.warning
     except DefinitionError as error:
         return [], str(error)
+
+
+@pytest.mark.parametrize("value", ["\ud800", 10**30, -(2**64), [{"deep": "\udfff"}]])
+def test_a_step_has_the_values_of_its_row_whatever_they_are(tmp_path: Path, value: Any) -> None:
+    written(tmp_path, [(Step(1, 1.0, Event("anomaly", 1.0, {"value": value})), {})])
+    (step,) = kept(tmp_path / "run.mcap").messages["/rai_missions/steps"]
+    assert step["event"]["data"] == {"value": value}
