@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import lru_cache
+from itertools import dropwhile
 from typing import Any, NamedTuple, Protocol
 
 from rai_missions.engine.configuration import Configuration
@@ -43,6 +44,20 @@ def _roots(paths: frozenset[str]) -> frozenset[str]:
 def _root(word: str) -> str:
     """The key that a word is about."""
     return word.removeprefix(KNOWN).partition(".")[0]
+
+
+def _staying(transition: CompiledTransition) -> tuple[Node, ...]:
+    """The states around a transition that stay active: the domain of its targets, and what is around that.
+
+    A parallel state is no domain: a transition from one of its regions to another leaves it, and enters it again.
+    """
+    targets = transition.targets
+    return tuple(
+        dropwhile(
+            lambda node: not node.is_compound or not all(target.inside(node) for target in targets),
+            transition.source.ancestors,
+        )
+    )
 
 
 def _parameter(path: str) -> str:
@@ -269,9 +284,7 @@ class LiveReads:
             for effect in definition.do
             if isinstance(effect, Set) and effect.add is None and effect.source is None
         }
-        targets = transition.targets
-        kept = [node for node in transition.source.ancestors if all(target.inside(node) for target in targets)]
-        later = self._once_in(targets, kept)
+        later = self._once_in(transition.targets, _staying(transition))
         recalled = {RECALL + target.name for target in transition.targets if target.is_history}
         return frozenset(reads | recalled) | {word for word in later if _root(word) not in written}
 

@@ -80,6 +80,25 @@ def hold_against_forgetless(document: Json, most: int) -> None:
     assert lengths[0] == lengths[1]
 
 
+@settings(lenient)
+@given(st.sampled_from((1, 2)))
+def test_what_a_parallel_state_reads_on_entry_makes_a_difference_where_a_region_enters_it(wanted: int) -> None:
+    numbers = [{"on": f"take_{n}", "do": [{"set": "k", "value": n}], "to": "taken"} for n in (1, 2)]
+    taken: Json = {"transitions": [{"on": "cross", "to": "crossed"}]}
+    crossed: Json = {"transitions": [{"when": {"key": "copy", "==": wanted}, "to": "over"}]}
+    hold_against_forgetless({
+        "name": "crossing", "initial": "both", "events": {"take_1": {}, "take_2": {}, "cross": {}},
+        "blackboard": {name: {"type": "integer", "initial": 0} for name in ("k", "copy")},
+        "states": {
+            "both": {"entry": [{"set": "copy", "from": "k"}], "parallel": {
+                "here": {"initial": "free", "states": {"free": {"transitions": numbers}, "taken": taken}},
+                "there": {"initial": "waiting", "states": {"waiting": {}, "crossed": crossed}},
+            }},
+            "over": {"final": "aborted"},
+        },
+    }, MOST)  # fmt: skip
+
+
 @pytest.mark.long
 @settings(lenient, max_examples=3)
 @given(mission_documents())
