@@ -80,7 +80,9 @@ def _plainer(source: str) -> Iterator[str]:
     yield source
     source = source.replace(', constraint="false"', "")
     yield source
-    yield re.sub(r', l(?:tail|head)="cluster_[^"]*"', "", source)
+    source = re.sub(r', l(?:tail|head)="cluster_[^"]*"', "", source)
+    yield source
+    yield source.replace('compound="true"', 'clusterrank="none"', 1)  # no frames around what is nested
 
 
 def _portable(svg: bytes) -> bytes:
