@@ -97,13 +97,13 @@ class Origins:
     def _stated(self, steps: tuple[str, ...]) -> tuple[str, tuple[str, ...]]:
         """The innermost inclusion in whose file a place is, and the steps to it there."""
         found, inside = "", steps
-        for depth in range(2, len(steps) - 1):
+        for depth in range(2, len(steps)):
             name = self._places.get(pointer(steps[:depth]))
             if name is None:
                 continue
-            if steps[depth] == "states":
+            if steps[depth] in ("initial", "states"):
                 found, inside = name, steps[depth:]
-            elif steps[depth] == "transitions":
+            elif steps[depth] == "transitions" and steps[depth + 1 :]:
                 number = int(steps[depth + 1]) - len(self._names[name].transitions)
                 if number >= 0:
                     found, inside = name, ("transitions", str(number), *steps[depth + 2 :])
@@ -122,12 +122,12 @@ def as_written(document: Any, place: str) -> str:
     """The pointer to a place of a mission in the document that it was read from.
 
     A junction there may be nested in one of its kind, which are one in the mission; and where the document has another
-    guard, an inclusion has joined that with more.
+    guard, an inclusion has joined that with more. A junction has a list; a state or a key of its name has an object.
     """
     here, found, rest = document, tuple[str, ...](), steps_of(place)
     while rest:
         step, *_ = rest
-        if step in JUNCTIONS and rest[1:2] and isinstance(here, Mapping):
+        if step in JUNCTIONS and rest[1:2] and isinstance(here, Mapping) and isinstance(here.get(step, []), list):
             parts = tuple(_parts(here.get(step), step))
             if parts and int(rest[1]) >= len(parts):
                 return pointer(found)  # what an inclusion has joined it with

@@ -12,6 +12,7 @@ import pytest
 
 from rai_missions.check import check_file
 from rai_missions.cli.main import main
+from rai_missions.errors import steps_of
 
 COMMANDS = (("check",), ("prove",), ("run",), ("try", "--terminal"))
 
@@ -49,6 +50,42 @@ def test_what_a_profile_lacks_is_reported_in_the_profile(
     Path("robot.json").write_text(json.dumps({"format": 1, "name": "mute", "connector": {"kind": "local"}}))
     assert main(["prove", "mission.json", "--robot", "robot.json"]) == 2
     assert "robot.json: /services/bell: missing" in capsys.readouterr().err
+
+
+def places_in(file: Path, document: dict[str, Any]) -> list[tuple[str, str]]:
+    """The file and the place of each fault of a mission; each place is one that the file has."""
+    file.write_text(json.dumps(document))
+    found = [(each.file, each.finding.place) for each in check_file(str(file)).findings]
+    for name, place in found:
+        here = json.loads(Path(name).read_text())
+        for step in steps_of(place):
+            here = here[int(step)] if isinstance(here, list) else here[step]
+    return [(Path(name).name, place) for name, place in found]
+
+
+def test_a_state_a_key_and_an_invariant_may_have_the_name_of_a_junction(tmp_path: Path) -> None:
+    wrong = {"key": "none", "==": 1}
+    found = places_in(tmp_path / "outer.json", {
+        "format": 1, "name": "outer", "initial": "all",
+        "blackboard": {"any": {"type": "integer", "initial": "one"}},
+        "invariants": {"all": wrong, "any": {"any": [wrong, {"any": [wrong]}]}},
+        "states": {"all": {"transitions": [{"when": wrong, "to": "any"}]}, "any": {"final": "aborted"}},
+    })  # fmt: skip
+    places = (
+        "/invariants/all",
+        "/invariants/any/any/0",
+        "/invariants/any/any/1/any/0",
+        "/states/all/transitions/0/when",
+    )
+    assert {("outer.json", f"{place}/key") for place in places} | {("outer.json", "/blackboard/any/initial")} == {
+        *found
+    }
+
+
+def test_where_an_included_mission_begins_is_a_place_in_its_file(tmp_path: Path) -> None:
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts/inner.json").write_text(json.dumps({**INNER, "initial": "askign"}))
+    assert ("inner.json", "/initial") in places_in(tmp_path / "outer.json", OUTER)
 
 
 def calls_to_check(file: Path, parts: int) -> int:
