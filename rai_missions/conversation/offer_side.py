@@ -8,9 +8,7 @@ from __future__ import annotations
 
 from rai_missions.conversation.inputs import Utterance
 from rai_missions.conversation.nearest_orders import NearestOrders
-from rai_missions.conversation.order_rules import forbidden, is_request, why_not_now
 from rai_missions.conversation.order_side import OrderSide
-from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.talk import Talk
 
 __all__ = ("OfferSide",)
@@ -33,10 +31,5 @@ class OfferSide:
         if utterance.is_spoken or self._orders.confirmation.order is not None:
             return
         near = self._nearest.nearest(utterance.text, self._talk.view)
-        if near := [sense for sense in near if self._is_open(sense, utterance)]:
+        if near := [sense for sense in near if self._orders.is_open(sense, utterance.role)]:
             self._orders.take(near[0], utterance, mapper="nearest", others=near[1:])
-
-    def _is_open(self, sense: Sense, utterance: Utterance) -> bool:
-        view = self._talk.view
-        is_possible = is_request(sense, view) or not why_not_now(sense, view, self._talk.language)
-        return is_possible and not forbidden(sense, utterance.role, self._talk.settings)

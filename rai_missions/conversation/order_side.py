@@ -31,6 +31,7 @@ from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.talk import Talk
 from rai_missions.conversation.values import capital
 from rai_missions.conversation.view import StatusView
+from rai_missions.event import Role
 from rai_missions.planning.text.normalise import LONGEST
 from rai_missions.redaction import cut
 
@@ -160,26 +161,36 @@ class OrderSide:
         is_starting = sense.name == "start" and self.given.is_starting
         return is_starting or is_request(sense, self._talk.view)
 
+    def is_open(self, sense: Sense, role: Role) -> bool:
+        """Whether a role may give an order, which is possible now or after this run."""
+        return not forbidden(sense, role, self._talk.settings) and not self._refusal(sense)
+
     def _is_impossible(self, judged: JudgedOrder) -> bool:
         """Whether the order is refused, because it is not possible now; the person is informed."""
-        sense, settings = judged.sense, self._talk.settings
-        if self._is_last and sense.name == "start":
-            self._refuse(judged, "start_last", order=judged.words)
-            return True
-        if judged.follows or self._is_request(sense):
-            is_refused = settings.requests == "refuse" and judged.follows != "cancel"
-            form = "request_refused" if is_refused else ""
-            form = form or ("queue_full" if self._requests.starts >= settings.most_requests else "")
-            form = form if sense.name == "start" else ""
-            if form:
-                self._refuse(judged, form, count=self._requests.starts, order=judged.words)
-            return bool(form)
+        if refusal := self._refusal(judged.sense, judged.follows):
+            form, why = refusal
+            self._refuse(judged, form, count=self._requests.starts, order=judged.words, why=why)
+        return bool(refusal)
+
+    def _refusal(self, sense: Sense, follows: str = "") -> tuple[str, str] | None:
+        """The text that refuses an order which is not possible now, with its reason; None where it is possible.
+
+        Args:
+            sense: The order.
+            follows: The order right before it in its sentence.
+        """
+        settings, is_start = self._talk.settings, sense.name == "start"
+        if self._is_last and is_start:
+            return "start_last", ""
+        if follows or self._is_request(sense):
+            if is_start and settings.requests == "refuse" and follows != "cancel":
+                return "request_refused", ""
+            is_full = is_start and self._requests.starts >= settings.most_requests
+            return ("queue_full", "") if is_full else None
         why = why_not_now(sense, self._talk.view, self._talk.language)
         if why and sense.name == "resume" and self.given.stopping_by:
             why = self._talk.language.text("why_stopping")
-        if why:
-            self._refuse(judged, "not_now", why=why.rstrip("."))
-        return bool(why)
+        return ("not_now", why.rstrip(".")) if why else None
 
     def _refuse(self, judged: JudgedOrder, form: str, **values: object) -> None:
         self._talk.note("refused", number=judged.utterance.number, order=judged.sense.name, by=form)

@@ -18,7 +18,7 @@ from rai_missions.conversation.inputs import Utterance
 from rai_missions.conversation.language import spoken
 from rai_missions.conversation.model_side import ModelSide
 from rai_missions.conversation.names import option_place
-from rai_missions.conversation.order_rules import forbidden, is_request, may, must_confirm, why_not_now
+from rai_missions.conversation.order_rules import forbidden, may, must_confirm
 from rai_missions.conversation.order_side import EarlierOrder, OrderSide
 from rai_missions.conversation.outputs import TalkTurn
 from rai_missions.conversation.senses import Sense, is_fault, joined
@@ -247,13 +247,6 @@ class SentenceSide:
         is_known = any(self._talk.answers.knows(sense, self._talk.view) for sense in asked)
         return tuple(asked if is_known else orders)
 
-    def _is_possible(self, sense: Sense, utterance: Utterance) -> bool:
-        """Whether it is an order that the speaker's role may give, and that is possible now or after this run."""
-        view = self._talk.view
-        if sense.kind != "order" or forbidden(sense, utterance.role, self._talk.settings):
-            return False
-        return is_request(sense, view) or not why_not_now(sense, view, self._talk.language)
-
     def _answer_nothing(self, utterance: Utterance) -> Handling:
         if self._talk.ends_with(utterance.channel, "model"):
             return "unknown"
@@ -265,7 +258,8 @@ class SentenceSide:
         language = self._talk.language
         if len(senses) == 1:
             return senses[0]
-        possible = [sense for sense in senses if self._is_possible(sense, utterance)]
+        orders = (sense for sense in senses if sense.kind == "order")
+        possible = [sense for sense in orders if self._orders.is_open(sense, utterance.role)]
         if len(possible) < 2:
             return possible[0] if possible else senses[0]
         choices = language.listed([self._choice(sense) for sense in possible], "or")

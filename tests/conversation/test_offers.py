@@ -6,6 +6,7 @@ from __future__ import annotations
 import pytest
 
 from rai_missions.conversation import Dialogue, KeyView, MissionView, Order, Output, StatusView, Utterance
+from rai_missions.conversation.outputs import TalkNote
 from rai_missions.engine.decision import Offer, Question
 from rai_missions.event import Role
 from tests.conversation.stored import SENTENCES, offered, settings_in
@@ -110,6 +111,26 @@ def test_nothing_is_offered_to_who_may_not_order_it_aloud_or_next_to_a_read_back
         assert not offered(dialogue.on_utterance(Utterance(text, "operator", "voice", readings=(text, text)), view))
         first = {"en": "go to the study", "de": "fahr ins Büro"}[code]
         assert not offered(replies(code, view, first, text))
+
+
+@pytest.mark.parametrize("why", ["no request waits", "no more requests wait", "the program ends", "one begins"])
+def test_no_start_is_offered_that_would_be_refused(why: str) -> None:
+    settings, view = settings_in("en", PHRASES["en"], PLACES["en"]), run("en", "running")
+    if why == "no request waits":
+        settings = settings._replace(requests="refuse")
+    elif why == "no more requests wait":
+        settings = settings._replace(most_requests=0)
+    elif why == "one begins":
+        settings, view = settings._replace(requests="refuse"), run("en")
+    dialogue = Dialogue(settings, view)
+    if why == "the program ends":
+        dialogue.on_last_run(0.5)
+    elif why == "one begins":
+        for at, text in ((0.1, "go to the study"), (0.5, "yes")):
+            dialogue.on_utterance(Utterance(text, "operator", "terminal", at=at), view)
+    outputs = dialogue.on_utterance(Utterance("how about a trip to the kitchen", "operator", "terminal", at=1.0), view)
+    assert not [each for each in outputs if "kitchen" in getattr(each, "text", "")]
+    assert {each.kind for each in outputs if isinstance(each, TalkNote)}.isdisjoint(("mapped", "refused"))
 
 
 @pytest.mark.parametrize(("code", "text"), [(code, text) for code in CODES for text in NOTHING[code]])
