@@ -1,31 +1,36 @@
 # SPDX-License-Identifier: Apache-2.0
 """The grammar: what a whole utterance may mean now. A sentence inside other talk means nothing.
 
-Rule: a stop counts wherever it is cried, first, last or again; any other order only as what the whole means.
+Rule: a stop counts wherever it is cried, first, last or again; any other order only as what the whole means. A clause
+that begins what is typed with the word to stop stops, unless what follows makes it another one.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 
 from rai_missions.conversation.corrections import Draft
 from rai_missions.conversation.free_answers import text_option
 from rai_missions.conversation.language import Language
-from rai_missions.conversation.names import called
+from rai_missions.conversation.names import called, missions_named
 from rai_missions.conversation.order_lists import OrderLists, is_greeting, is_order
 from rai_missions.conversation.senses import FAULT, STOP, Sense, is_fault
 from rai_missions.conversation.sentence_grammar import MOST_MENDED, MOST_WORDS, NONE, SentenceGrammar
 from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.view import StatusView
 from rai_missions.engine.decision import Question
-from rai_missions.planning.text.normalise import once, unrepeated
+from rai_missions.planning.text.normalise import is_slip, once, unrepeated
 
 __all__ = ("Grammar",)
 
 MOST_PARTS = 6
 """Sentences of an utterance that are read; of more, only a stop at its beginning or end counts."""
 LONGEST_WARNING = 7
-"""Words of the longest warning that has its danger in the same clause."""
+"""Words of the longest warning that has its danger in the same clause, and of the longest stop with other words."""
+LETTERS = re.compile(r"[^\W\d_]+")
+DRAWN_OUT = re.compile(r"([^\W\d_]{1,9}?)\1{2,}")
+"""What is written as often as it is cried, thrice at least: a letter of `stooop`, the word of `stopstopstop`."""
 
 
 class Grammar:
@@ -48,13 +53,16 @@ class Grammar:
         """The grammar of each of its sentences."""
         self._lists = OrderLists(self.sentence)
 
-    def senses(self, text: str, view: StatusView, draft: Draft | None = None) -> tuple[Sense, ...]:
+    def senses(
+        self, text: str, view: StatusView, draft: Draft | None = None, *, is_typed: bool = True
+    ) -> tuple[Sense, ...]:
         """What the sentence may mean in this moment; several where it is ambiguous, empty for other talk.
 
         Args:
             text: The sentence, as it was received.
             view: The run: which options, missions and keys there are.
             draft: The order that it may correct.
+            is_typed: Whether it is for the robot in any case; what is spoken may be for others.
         """
         text = self._unrepeated(text)
         words = self.language.normaliser.words(text)
@@ -70,6 +78,8 @@ class Grammar:
         is_stop = any(sense.is_stop for sense in several)
         is_urgent = is_open and not is_stop
         if is_urgent and (self._is_cried(text, words, edges, view) or self._is_stop_passed_on(words, view)):
+            return (STOP,)
+        if is_urgent and is_typed and self._begins_with_stop(text, edges, view):
             return (STOP,)
         if len(parts) < 2:
             clauses = self.language.normaliser.remarks(text) if any(each.thing for each in whole) else []
@@ -111,10 +121,19 @@ class Grammar:
         return tuple(self.sentence.options.by_sense(self._unrepeated(text), view))
 
     def _unrepeated(self, text: str) -> str:
-        """A sentence that repeats its words for emphasis, with them once: `go!` of `go, go, go!`."""
+        """A sentence that repeats words or letters for emphasis, with them once: `go!` of `go, go, gooo!`."""
+        text = LETTERS.sub(lambda word: self._undrawn(word[0]), text)
         words = self.language.normaliser.words(text)
         once_only, sign = unrepeated(words), text.rstrip()[-1:]
         return text if once_only == words else " ".join(once_only) + ("" if sign.isalnum() else sign)
+
+    def _undrawn(self, word: str) -> str:
+        """The known word that is drawn out, `stop` of `STOPPP` and `soon` of `sooooon`; any other as it is."""
+        if self.sentence.knows(word.lower()) or DRAWN_OUT.search(word.lower()) is None:
+            return word
+        ways = (DRAWN_OUT.sub(letters, word.lower()) for letters in (r"\1", r"\1\1"))
+        misheard = self.language.data["mishearings"]
+        return next((each for each in ways if self.sentence.knows(each) or each in misheard), word)
 
     def _is_within(self, sense: Sense, parts: Sequence[str]) -> bool:
         """Whether each text that a sense has is in one part: not the thing of `Find the cup. I am here`."""
@@ -135,6 +154,22 @@ class Grammar:
         is_again = words[1:2] == first and stop.fits(first)
         heads = [self._ahead_of_reason(each) for each in edges if not text.rstrip().endswith("?")]
         return is_again or any(map(stop.fits, (*edges, *heads))) or self._warns(text, edges, view)
+
+    def _begins_with_stop(self, text: str, edges: Sequence[list[str]], view: StatusView) -> bool:
+        """Whether a short first clause begins with the word to stop and is no other: `stop you fool`."""
+        language, words = self.language, self._ahead_of_reason(edges[0]) if edges else []
+        if not 0 < len(words) <= LONGEST_WARNING or language.may_quote(text) or text.rstrip().endswith("?"):
+            return False
+        stopping = language.warnings["stopping"]
+        if not self.sentence.knows(words[0]):
+            meant = (each for each in sorted(stopping.words) if is_slip(words[0], each))
+            words = [next(meant, words[0]), *words[1:]]
+        is_reported = not set(words).isdisjoint(language.data["quoting"])
+        is_of_another = any(each.name != view.mission for each in missions_named(words[1:], view, language))
+        is_on_condition = any(language.conditions.begin(words[at:]) for at in range(1, len(words)))
+        is_stop = stopping.fits(words) or language.orders["stop"].fits(words)
+        is_otherwise = is_reported or is_on_condition or is_of_another or language.warnings["no_stop"].fits(words)
+        return is_stop and not is_otherwise
 
     def _is_stop_passed_on(self, words: list[str], view: StatusView) -> bool:
         """Whether another person wants a stop, `Mila wants you to stop`; not where none does, or in a question."""

@@ -2,7 +2,7 @@
 """Phrases of a grammar as data, compiled: `(start|begin) [the] {mission}`.
 
 `(a|b)` is one of several, `[a|b]` may be left out, `{slot}` is one or more words, `*` too, `<part>` a list of the file,
-`$` the end of the words.
+`~ing` a word with this ending, `$` the end of the words.
 Rule: a phrase matches a whole sentence or nothing.
 """
 
@@ -36,7 +36,8 @@ def _compiled(phrase: str, parts: Mapping[str, str]) -> str:
                 raise UsageError(f"the phrase '{phrase}' names no part: '{text}'; there is: {', '.join(parts)}")
             made.append(f"(?:{_compiled(parts[atom.group(2)], parts)})")
         else:
-            made.append(_SIGNS.get(text) or f"{re.escape(text)} ")
+            ending = text.removeprefix("~")
+            made.append(_SIGNS.get(text) or (r"\S+" if ending != text else "") + f"{re.escape(ending)} ")
     if why := _malformed(phrase):
         raise UsageError(f"the phrase '{phrase}' {why}")
     return "".join(made)

@@ -89,7 +89,8 @@ class SentenceSide:
     def _senses(self, utterance: Utterance) -> list[tuple[Sense, ...]]:
         """What each of its readings may mean."""
         readings, draft = utterance.readings or (utterance.text,), self._draft(utterance)
-        return [self._grammar.senses(cut(text, LONGEST_READ), self._talk.view, draft) for text in readings]
+        view, is_typed = self._talk.view, not utterance.is_spoken
+        return [self._grammar.senses(cut(text, LONGEST_READ), view, draft, is_typed=is_typed) for text in readings]
 
     def _draft(self, utterance: Utterance) -> Draft | None:
         """The order that this sentence may correct: its speaker's last, one that is read back, or one just taken."""

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A stop in alarm: letters drawn out, slips, and words that follow without a sign; other sentences stop nothing."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import pytest
+
+from rai_missions.conversation import Dialogue, Order, Utterance
+from rai_missions.conversation.grammar import Grammar
+from rai_missions.conversation.language import language, languages
+from rai_missions.conversation.senses import STOP
+from tests.conversation.stored import ASSISTING, PATROLLING, settings_in
+
+STOPPING = {"en": ("stop", "halt", "freeze"), "de": ("stopp", "stop", "anhalten")}
+ALARMS = {
+    "en": ("you're gonna crash", "you will fall down the stairs", "there is a kid", "you will hit the cat"),
+    "de": ("du fährst gleich dagegen", "da ist ein Kind", "sonst krachts"),
+}
+CRIES = {
+    "en": (
+        "you moron", "not there", "look out", "a child", "don't", "the kid's right there", "wrong room", "rob stop",
+        "right there mister", "what the hell are you doing", "all of it", "my dog is behind you",
+    ),
+    "de": (
+        "du Idiot", "falsche Richtung", "nicht dahin", "verdammt nochmal", "ein Kind", "was soll das", "Rob stopp",
+        "mein Hund ist hinter dir",
+    ),
+}  # fmt: skip
+OTHERWISE = {
+    "en": (
+        "at the kitchen", "by the shop on your way", "when you reach the dock", "talking", "being silly", "for lunch",
+        "signs are red", "motion films are great", "is a word", "means stop", "every five minutes", "me if you know it",
+        "he shouted", "or go?",
+    ),
+    "de": (
+        "an der Tür", "neben dem Tisch", "wenn du den Becher siehst", "heißt anhalten", "Schilder sind rot",
+        "erst in der Küche", "die Zeit",
+    ),
+}  # fmt: skip
+
+
+def drawn_out(word: str) -> list[str]:
+    """A word with each of its letters drawn out, in capitals, and cried thrice without a space."""
+    longer = [word[:at] + word[at] * times + word[at + 1 :] for at in range(len(word)) for times in (3, 6)]
+    return [*longer, *map(str.upper, longer), word * 3]
+
+
+@pytest.mark.parametrize("code", languages())
+def test_a_stop_that_is_drawn_out_is_the_stop_whatever_follows(code: str) -> None:
+    grammar = Grammar(language(code))
+    for stop, alarm in product(STOPPING[code], ("", *ALARMS[code])):
+        cries = [f"{each} {alarm}".strip() for each in drawn_out(stop)]
+        assert [each for each in cries if grammar.senses(each, ASSISTING) != (STOP,)] == []
+
+
+@pytest.mark.parametrize("code", languages())
+def test_what_is_typed_and_begins_with_a_stop_stops(code: str) -> None:
+    grammar, stop = Grammar(language(code)), STOPPING[code][0]
+    cries = [f"{each} {cry}" for each in (stop, stop.upper(), stop[1] + stop[0] + stop[2:]) for cry in CRIES[code]]
+    assert [each for each in cries if grammar.senses(each, ASSISTING) != (STOP,)] == []
+
+
+@pytest.mark.parametrize("code", languages())
+def test_a_stop_at_a_place_a_time_or_in_a_name_stops_nothing_now(code: str) -> None:
+    grammar = Grammar(language(code))
+    others = [f"{each} {rest}" for each in STOPPING[code][:1] for rest in OTHERWISE[code]]
+    others += [f"{each.upper()} {rest}" for each in STOPPING[code][:1] for rest in OTHERWISE[code]]
+    assert [each for each in others if STOP in grammar.senses(each, ASSISTING)] == []
+
+
+@pytest.mark.parametrize("channel", ["terminal", "page", "voice"])
+def test_words_behind_a_stop_count_where_they_are_typed_alone(channel: str) -> None:
+    """What is spoken may be read from a page, `stop viewer may`, or be for others; a stop of its own counts there."""
+    for text, is_stop in {"stop you moron": channel != "voice", "stop": True, "stop, you moron": True}.items():
+        dialogue = Dialogue(settings_in("en", {}, {}), view=PATROLLING)
+        readings = (text, text) if channel == "voice" else ()
+        sentence = Utterance(text, "operator", channel, "Eve", 1.0, readings=readings)
+        outputs = dialogue.on_utterance(sentence, PATROLLING)
+        assert [each.name for each in outputs if isinstance(each, Order)] == ["stop"] * is_stop, text
+
+
+def test_a_word_with_many_letters_of_a_kind_stays_where_no_known_word_is_in_it() -> None:
+    grammar = Grammar(language("en"))
+    for text in ("xxxx", "stoppppable", "www", "the busss stopppp"):
+        assert STOP not in grammar.senses(text, ASSISTING), text
