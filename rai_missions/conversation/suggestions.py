@@ -19,6 +19,8 @@ __all__ = ("Suggestions",)
 
 MOST_CLAUSES = 8
 """Clauses of the longest sentence in which one is looked for."""
+MOST_WORDS = 40
+"""Words of the longest clause in which one is looked for: each may begin one, with each place before it."""
 LONGEST_ORDER = 8
 """Words of the longest order of the language that is looked for within a clause."""
 LONGEST_THING = 3
@@ -63,7 +65,9 @@ class Suggestions:
             view: The run.
         """
         clauses = [] if self._language.may_quote(text) else self._joined(list(self._clauses(text)), view)
-        if len(clauses) > MOST_CLAUSES or any(self._is_conditional(words, view) for words in clauses):
+        if len(clauses) > MOST_CLAUSES or any(len(words) > MOST_WORDS for words in clauses):
+            return ()
+        if any(self._is_conditional(words, view) for words in clauses):
             return ()
         orders, asked, faults = dict[str, tuple[Sense, ...]](), list[Sense](), list[Sense]()
         unread = list[list[str]]()
@@ -207,8 +211,10 @@ class Suggestions:
 
     def _placed(self, words: list[str], before: Sequence[list[str]], view: StatusView) -> tuple[Sense, ...]:
         """The order with the place that was named last for `here` or `there`: `I am in the kitchen, come here`."""
-        for at, size in self._place_pronouns_in(words):
-            for place in self._grammar.places_in(before):
+        pronouns = list(self._place_pronouns_in(words))
+        places = dict.fromkeys(map(tuple, self._grammar.places_in(before))) if pronouns else ()
+        for at, size in pronouns:
+            for place in places:
                 for joint in self._place_joints:
                     placed = [*words[:at], joint, *place, *words[at + size :]]
                     order = _order(self._grammar.senses(placed, view)) if self._may_start(placed) else ()

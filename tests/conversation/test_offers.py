@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import time
+
 import pytest
 
 from rai_missions.conversation import Dialogue, KeyView, MissionView, Order, Output, StatusView, Utterance
@@ -158,3 +160,12 @@ def test_an_answer_in_words_of_its_about_is_offered() -> None:
 def test_what_else_is_near_is_named_with_the_offer() -> None:
     outputs = replies("en", run("en"), "how about a trip to the kitchen")
     assert any("look" in text and "Or else" in text for text in (getattr(each, "text", "") for each in outputs))
+
+
+@pytest.mark.parametrize(
+    "text", ["me " * 650, "kitchen there " * 130, "kitchen me " * 28, ("kitchen me " * 19 + ", ") * 7]
+)
+def test_no_text_keeps_the_conversation_long(text: str) -> None:
+    dialogue, began = Dialogue(settings_in("en", PHRASES["en"], PLACES["en"]), run("en")), time.process_time()
+    dialogue.on_utterance(Utterance(text, "person", "terminal", at=1.0), run("en"))
+    assert time.process_time() - began < 2.0
