@@ -143,7 +143,10 @@ def _template_fault(own: str, allowed: frozenset[str]) -> str:
     except ValueError as error:
         return f"{shown(own)} cannot be filled in: {error}; a sign by itself is '{{{{' or '}}}}'"
     there = ", ".join(f"{{{each}}}" for each in sorted(allowed)) or "none"
-    return next((f"nothing fills in {{{each}}}; there is: {there}" for each in sorted(used - allowed)), "")
+    if unknown := sorted(used - allowed):
+        return f"nothing fills in {{{unknown[0]}}}; there is: {there}"
+    odd = next((name for _, name, form, how in Formatter().parse(own) if form or how), None)
+    return f"{shown(own)} has more than a name in {{{odd}}}; write {{{odd}}} alone" if odd is not None else ""
 
 
 def _phrase_fault(phrases: Sequence[str], slots: Sequence[str], parts: Mapping[str, str]) -> str:

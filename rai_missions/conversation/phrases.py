@@ -20,11 +20,16 @@ ATOM = re.compile(r"[()\[\]|*$]|\{(\w+)\}|<(\w+)>|[^\s()\[\]|{}<>*$]+")
 WORDS = r"(?:\S+ )+?"
 
 
-def _compiled(phrase: str, parts: Mapping[str, str]) -> str:
+def _compiled(phrase: str, parts: Mapping[str, str], within: tuple[str, ...] = ()) -> str:
     """The regular expression of a phrase, over words that each end with a space.
 
+    Args:
+        phrase: As the module's docstring has it.
+        parts: The lists that `<part>` names.
+        within: The parts that it is in.
+
     Raises:
-        UsageError: The phrase is not closed, or names a part that does not exist.
+        UsageError: The phrase is not closed, names a part that does not exist, or one that it is in.
     """
     made = list[str]()
     for atom in ATOM.finditer(phrase):
@@ -34,7 +39,9 @@ def _compiled(phrase: str, parts: Mapping[str, str]) -> str:
         elif atom.group(2):
             if atom.group(2) not in parts:
                 raise UsageError(f"the phrase '{phrase}' names no part: '{text}'; there is: {', '.join(parts)}")
-            made.append(f"(?:{_compiled(parts[atom.group(2)], parts)})")
+            if atom.group(2) in within:
+                raise UsageError(f"the phrase '{phrase}' is in the part that it names: '{text}'; write its words")
+            made.append(f"(?:{_compiled(parts[atom.group(2)], parts, (*within, atom.group(2)))})")
         else:
             ending = text.removeprefix("~")
             made.append(_SIGNS.get(text) or (r"\S+" if ending != text else "") + f"{re.escape(ending)} ")

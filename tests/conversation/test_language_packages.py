@@ -55,6 +55,10 @@ FAULTS: dict[str, tuple[Change, str]] = {
         "/texts/report_ready: '{mission è pronta' cannot be filled in: expected '}' before end of string; a sign by "
         "itself is '{{' or '}}'",
     ),
+    "a slot has a form": (
+        lambda data: data["texts"].update(report_ready="{mission:d} è pronta"),
+        "/texts/report_ready: '{mission:d} è pronta' has more than a name in {mission}; write {mission} alone",
+    ),
     "a text is a number": (
         lambda data: data["texts"].update(report_ready=7),
         "/texts/report_ready: 7 is not a text; in English it is 'The mission '{mission}' is ready and waits for the "
@@ -84,6 +88,10 @@ FAULTS: dict[str, tuple[Change, str]] = {
     "a phrase names no part": (
         lambda data: data["yes"].append("<avverbio> si"),
         "/yes: the phrase '<avverbio> si' names no part: '<avverbio>'; there is:",
+    ),
+    "a part is in itself": (
+        lambda data: data["parts"].update(avverbio="ora|<avverbio>"),
+        "/parts/avverbio: the phrase 'ora|<avverbio>' is in the part that it names: '<avverbio>'; write its words",
     ),
     "a pattern is not closed": (
         lambda data: data.update(reason_pattern="("),
