@@ -283,8 +283,7 @@ def arranging() -> dict[str, State]:
             about="what an earlier run left in the hand is set down where it is free; then the request is read again",
             timeout_s=90,
             transitions=[
-                On("succeeded", to="reading", do=[Set(k.failures, add=1)]),
-                On(*TROUBLE, to="looking", do=[Set(k.failures, add=1)]),
+                On("succeeded", *TROUBLE, to="reading", do=[Set(k.failures, add=1)]),
             ],
         ),
         "looking": State(
