@@ -25,6 +25,14 @@ def connector() -> LocalConnector:
     return made
 
 
+def asked(connector: LocalConnector) -> tuple[PatientServer, list[Report]]:
+    """A server that was sent the goal `g`, and what it reports of it."""
+    server, reports = PatientServer(), list[Report]()
+    connector.offer("/a", "", server)
+    connector.send_goal("/a", "", {}, goal_id="g", on_report=reports.append)
+    return server, reports
+
+
 def test_the_local_connector_keeps_the_contract() -> None:
     check_connector(LocalConnector)
 
@@ -178,29 +186,20 @@ def test_a_server_that_raises_rejects(connector: LocalConnector) -> None:
 
 
 def test_an_end_without_acceptance_is_preceded_by_one(connector: LocalConnector) -> None:
-    server = PatientServer()
-    reports: list[Report] = []
-    connector.offer("/a", "", server)
-    connector.send_goal("/a", "", {}, goal_id="g", on_report=reports.append)
+    server, reports = asked(connector)
     server.send("g", "succeeded", {"x": 1})
     assert reports == [Report("g", "accepted", {}), Report("g", "succeeded", {"x": 1})]
 
 
 def test_a_goal_that_was_accepted_fails_where_its_server_rejects_it_afterwards(connector: LocalConnector) -> None:
-    server = PatientServer()
-    reports: list[Report] = []
-    connector.offer("/a", "", server)
-    connector.send_goal("/a", "", {}, goal_id="g", on_report=reports.append)
+    server, reports = asked(connector)
     server.send("g", "accepted")
     server.send("g", "rejected")
     assert [report.status for report in reports] == ["accepted", "failed"]
 
 
 def test_the_refusal_of_a_cancel_that_no_one_asked_for_is_dropped(connector: LocalConnector) -> None:
-    server = PatientServer()
-    reports: list[Report] = []
-    connector.offer("/a", "", server)
-    connector.send_goal("/a", "", {}, goal_id="g", on_report=reports.append)
+    server, reports = asked(connector)
     server.send("g", "accepted")
     server.send("g", "cancel_rejected")
     connector.cancel_goal("g")
@@ -209,10 +208,7 @@ def test_the_refusal_of_a_cancel_that_no_one_asked_for_is_dropped(connector: Loc
 
 
 def test_a_report_under_another_goals_id_is_dropped(connector: LocalConnector) -> None:
-    server = PatientServer()
-    reports: list[Report] = []
-    connector.offer("/a", "", server)
-    connector.send_goal("/a", "", {}, goal_id="g", on_report=reports.append)
+    server, reports = asked(connector)
     server.report["g"](Report("h", "succeeded", {}))
     assert reports == []
 
