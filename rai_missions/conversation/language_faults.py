@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from string import Formatter
 from typing import Any
 
-from rai_missions.conversation.phrases import Phrases, parts_of
+from rai_missions.conversation.phrases import SLOT, Phrases, parts_of
 from rai_missions.errors import Fault, UsageError, pointer, suggestion
 from rai_missions.redaction import shown
 
@@ -41,7 +41,6 @@ OF_A_KIND = re.compile("(refused|end)_")
 """Texts in whose place English has the engine's own sentence."""
 KIND_SLOTS = frozenset(("name", "state", "why"))
 SORTS = {bool: "true or false", int: "a number", float: "a number", str: "a text", list: "a list of texts"}
-SLOT = re.compile(r"\{(\w+)\}")
 NAMED_BY_PHRASES = ("/parts/", "/verbs/")
 """Tables without which no phrase can be read."""
 Steps = tuple[str, ...]

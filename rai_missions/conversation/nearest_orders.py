@@ -19,9 +19,10 @@ from rai_missions.conversation.arguments import BadValue
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.likeness import Likeness
 from rai_missions.conversation.option_senses import OptionSenses
+from rai_missions.conversation.phrases import SLOT
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.sentence_grammar import SentenceGrammar
-from rai_missions.conversation.start_phrases import SLOT, StartPhrases
+from rai_missions.conversation.start_phrases import StartPhrases
 from rai_missions.conversation.suggestions import Suggestions
 from rai_missions.conversation.unread_answers import is_question
 from rai_missions.conversation.view import KeyView, MissionView, StatusView

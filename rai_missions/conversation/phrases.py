@@ -14,9 +14,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from rai_missions.errors import UsageError
 
-__all__ = ("Phrases", "example_of", "examples_of", "part_of_verb", "parts_of")
+__all__ = ("SLOT", "Phrases", "example_of", "examples_of", "part_of_verb", "parts_of")
 
 ATOM = re.compile(r"[()\[\]|*$]|\{(\w+)\}|<(\w+)>|[^\s()\[\]|{}<>*$]+")
+SLOT = re.compile(r"\{(\w+)\}")
+"""The place of a value in a phrase or a text: `stack {rest}`."""
 WORDS = r"(?:\S+ )+?"
 
 
@@ -65,7 +67,7 @@ def _malformed(phrase: str) -> str:
         return f"is not closed: '{opened[-1]}' lacks its '{PAIRS[opened[-1]]}'"
     if unread := re.search(r"[{<](?!\w+[}>])[^}>]*[}>]", phrase):
         return f"has '{unread[0]}', which is no name; it is one word of letters, digits and '_', as in {{place}}"
-    slots = re.findall(r"\{(\w+)\}", phrase)
+    slots = SLOT.findall(phrase)
     return next((f"has {{{each}}} twice; keep one" for each in slots if slots.count(each) > 1), "")
 
 

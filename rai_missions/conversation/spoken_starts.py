@@ -13,7 +13,8 @@ from typing import Any
 
 from rai_missions.conversation.arguments import IN_WORDS
 from rai_missions.conversation.language import Language, spoken
-from rai_missions.conversation.start_phrases import SLOT, Names, arguments_of
+from rai_missions.conversation.phrases import SLOT
+from rai_missions.conversation.start_phrases import Names, arguments_of
 from rai_missions.conversation.values import value_words
 from rai_missions.conversation.view import KeyView
 from rai_missions.profile.conversation import SentenceArguments

@@ -9,25 +9,22 @@ from __future__ import annotations
 
 import contextlib
 import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rai_missions.conversation.arguments import BadValue, key_value
 from rai_missions.conversation.language import Language, spoken
-from rai_missions.conversation.phrases import Phrases, example_of
+from rai_missions.conversation.phrases import SLOT, Phrases, example_of
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.view import KeyView, MissionView
 from rai_missions.planning.text.normalise import NEAREST as LEAST_MENDED
 from rai_missions.planning.text.normalise import nearest
 from rai_missions.profile.conversation import SentenceArguments
 
-__all__ = ("SLOT", "Names", "StartPhrases", "arguments_of")
+__all__ = ("Names", "StartPhrases", "arguments_of")
 
 VALUE = "…"
 """The plainest sentence of a phrase that needs no word but a value."""
-SLOT = re.compile(r"\{(\w+)\}")
-"""The place of a value in a text: `stack {rest}`."""
 MOST_DESCRIBING = 4
 """Words ahead of a listed value that may describe it."""
 

@@ -10,8 +10,8 @@ from typing import Any
 
 from rai_missions.conversation import Settings
 from rai_missions.conversation.language import language, languages
-from rai_missions.conversation.phrases import Phrases
-from rai_missions.conversation.start_phrases import SLOT, arguments_of
+from rai_missions.conversation.phrases import SLOT, Phrases
+from rai_missions.conversation.start_phrases import arguments_of
 from rai_missions.errors import DefinitionError, Fault, MissionError, UsageError, pointer, suggestion
 from rai_missions.keys import Key, type_error
 from rai_missions.mission.mission import Mission
@@ -52,18 +52,12 @@ def conversation_faults(robot: Robot, mission: Mission | None = None) -> tuple[F
         return of_language
     keys = _arguments(mission)
     takes, found = keys.keys(), list[Fault]()
-    for phrase, arguments in policy.phrases.items():
-        place = pointer(("conversation", "phrases", phrase))
-        compiled = _compiled(phrase, policy, place)
-        if isinstance(compiled, Fault):
-            found.append(compiled)
-            continue
-        found += _argument_faults(arguments_of(compiled.slots, arguments), takes, place)
-        found += _value_faults(arguments, keys, place)
-    for text, arguments in policy.spoken.items():
-        place = pointer(("conversation", "spoken", text))
-        found += _argument_faults(arguments_of(frozenset(SLOT.findall(text)), arguments), takes, place)
-        found += _value_faults(arguments, keys, place)
+    for place, slots, arguments in _sentences(policy):
+        if isinstance(slots, Fault):
+            found.append(slots)
+        else:
+            found += _argument_faults(arguments_of(slots, arguments), takes, place)
+            found += _value_faults(arguments, keys, place)
     for name, values in policy.names.items():
         for words, value in values.items():
             found += _value_faults({name: value}, keys, pointer(("conversation", "names", name, words)))
@@ -87,6 +81,16 @@ def _arguments(mission: Mission | None) -> Mapping[str, Key]:
     """The arguments that a mission takes."""
     blackboard = mission.blackboard if mission is not None else {}
     return {name: key for name, key in blackboard.items() if key.source == "argument"}
+
+
+def _sentences(policy: ConversationPolicy) -> Iterator[tuple[str, frozenset[str] | Fault, Mapping[str, Any]]]:
+    """Each sentence that starts a mission: its place, its slots or why it cannot be read, and what it gives besides."""
+    for phrase, arguments in policy.phrases.items():
+        place = pointer(("conversation", "phrases", phrase))
+        compiled = _compiled(phrase, policy, place)
+        yield place, compiled if isinstance(compiled, Fault) else compiled.slots, arguments
+    for text, arguments in policy.spoken.items():
+        yield pointer(("conversation", "spoken", text)), frozenset(SLOT.findall(text)), arguments
 
 
 def _value_faults(given: Mapping[str, Any], keys: Mapping[str, Key], place: str) -> Iterator[Fault]:
@@ -165,11 +169,8 @@ def _resembling(name: str, known: Collection[str]) -> str:
 
 def _given(policy: ConversationPolicy) -> Iterator[tuple[str, AbstractSet[str]]]:
     """Where arguments are given, or have words of their own, and which; phrases that cannot be read are left out."""
-    for phrase, arguments in policy.phrases.items():
-        place = pointer(("conversation", "phrases", phrase))
-        if not isinstance(compiled := _compiled(phrase, policy, place), Fault):
-            yield place, arguments_of(compiled.slots, arguments)
-    for text, arguments in policy.spoken.items():
-        yield pointer(("conversation", "spoken", text)), arguments_of(frozenset(SLOT.findall(text)), arguments)
+    for place, slots, arguments in _sentences(policy):
+        if not isinstance(slots, Fault):
+            yield place, arguments_of(slots, arguments)
     for name in policy.names:
         yield pointer(("conversation", "names", name)), {name}
