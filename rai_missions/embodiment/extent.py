@@ -8,6 +8,7 @@ Rule: what does not follow is None; a mesh has a size that is not read.
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Iterator
 
 from rai_missions.embodiment.urdf import Body, BodyJoint, BodyLink, BodyShape
@@ -23,17 +24,11 @@ STRAIGHT: Turn = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 def size_m(body: Body) -> tuple[float, float, float] | None:
     """Length, width and height of the box around all that it may collide with, its joints at zero; None: not known."""
-    parents = {joint.child: joint for joint in body.joints}
-    bounds = list[tuple[Vector, Vector]]()
-    for link in body.links:
-        placed = _placed(link.name, parents)
-        for shape in link.shapes:
-            if shape.use == "collision" and (shape.kind == "mesh" or placed is None):
-                return None
-            if shape.use == "collision" and placed is not None:
-                bounds.append(_bounds(shape, *placed))
-    if not bounds:
+    places = _places(body)
+    solid = [(shape, places[link.name]) for link in body.links for shape in link.shapes if shape.use == "collision"]
+    if not solid or any(shape.kind == "mesh" for shape, _ in solid):
         return None
+    bounds = [_bounds(shape, *place) for shape, place in solid]
     x, y, z = (max(high[axis] for _, high in bounds) - min(low[axis] for low, _ in bounds) for axis in range(3))
     return x, y, z
 
@@ -56,19 +51,19 @@ def _radii(link: BodyLink | None) -> Iterator[float]:
             yield shape.measures_m[0]
 
 
-def _placed(name: str, parents: dict[str, BodyJoint]) -> tuple[Turn, Vector] | None:
-    """How a link is turned and where it is, in the root; None where its joints are a circle."""
-    chain = list[BodyJoint]()
-    while name in parents:
-        chain.append(parents[name])
-        name = parents[name].parent
-        if len(chain) > len(parents):
-            return None
-    turn, at = STRAIGHT, NOWHERE
-    for joint in reversed(chain):
-        at = _sum(at, _turned(turn, joint.origin_m))
-        turn = _after(turn, _turn(joint.rpy))
-    return turn, at
+def _places(body: Body) -> dict[str, tuple[Turn, Vector]]:
+    """How each link is turned and where it is, in the root."""
+    below = defaultdict[str, list[BodyJoint]](list)
+    for joint in body.joints:
+        below[joint.parent].append(joint)
+    reached = list({link.name for link in body.links} - {joint.child for joint in body.joints})
+    found = dict.fromkeys(reached, (STRAIGHT, NOWHERE))
+    for name in reached:
+        turn, at = found[name]
+        for joint in below[name]:
+            found[joint.child] = _after(turn, _turn(joint.rpy)), _sum(at, _turned(turn, joint.origin_m))
+            reached.append(joint.child)
+    return found
 
 
 def _bounds(shape: BodyShape, turn: Turn, at: Vector) -> tuple[Vector, Vector]:

@@ -9,13 +9,14 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from graphlib import CycleError, TopologicalSorter
 from typing import Any, NamedTuple
 
 from rai_missions.embodiment.xml_events import RefusedXml, read_xml
 from rai_missions.errors import suggestion
 from rai_missions.redaction import cut, cut_repr
 
-__all__ = ("Body", "BodyJoint", "BodyLink", "BodyShape", "read_body")
+__all__ = ("JOINTS", "Body", "BodyJoint", "BodyLink", "BodyShape", "read_body")
 
 MOST = 2_000
 """Links, joints or shapes that are read."""
@@ -25,6 +26,7 @@ MOST_VALUE = 1e100
 SHOWN = 40
 SHAPES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "mesh": ()}
 """Shape → its measures, as attributes; a mesh is a file, which is not opened."""
+JOINTS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 LIMITS = ("lower", "upper", "velocity", "effort")
 
 
@@ -57,7 +59,7 @@ class BodyJoint(NamedTuple):
 
     name: str
     kind: str
-    """`revolute`, `continuous`, `prismatic`, `fixed`, `floating`, `planar`."""
+    """One of `JOINTS`."""
     parent: str = ""
     child: str = ""
     axis: tuple[float, ...] = (1.0, 0.0, 0.0)
@@ -75,7 +77,7 @@ class BodyJoint(NamedTuple):
 
 
 class Body(NamedTuple):
-    """A robot's build."""
+    """A robot's build: a tree of links, in which each but the root has one parent."""
 
     name: str
     links: tuple[BodyLink, ...]
@@ -148,7 +150,7 @@ def read_body(_name: str, data: bytes) -> Body:
     """The build that a URDF describes.
 
     Raises:
-        ValueError: It is no well-formed XML, no URDF, has a number that is none, a joint whose links are not there, or
+        ValueError: It is no well-formed XML, no URDF, has a number that is none, links and joints that are no tree, or
             brings a document type, by which XML can read other files.
     """
     found = _Listener()
@@ -175,6 +177,28 @@ def _contradictions(links: Sequence[str], joints: Sequence[BodyJoint]) -> Iterat
                 yield f"the {end} of the joint '{joint.name}' is '{link}', which is no link{suggestion(link, links)}"
         if joint.lower is not None and joint.upper is not None and joint.lower > joint.upper:
             yield f"the limits of the joint '{joint.name}' are {joint.lower:g} to {joint.upper:g}; exchange them"
+        if joint.kind not in JOINTS:
+            yield f"the joint '{joint.name}' is of the type '{joint.kind}'{suggestion(joint.kind, JOINTS)}"
+    yield from _tree_faults(links, joints)
+
+
+def _tree_faults(links: Sequence[str], joints: Sequence[BodyJoint]) -> Iterator[str]:
+    """Where joints between links that are there leave them no tree."""
+    parents = Counter(joint.child for joint in joints)
+    yield from (
+        f"the link '{link}' is the child of {count} joints; leave it one"
+        for link, count in parents.items()
+        if count > 1
+    )
+    try:
+        TopologicalSorter({joint.child: (joint.parent,) for joint in joints}).prepare()
+    except CycleError as error:
+        yield f"its joints are a circle: {_listed(error.args[1])}; remove one of them"
+    roots = [link for link in links if link not in parents]
+    if not links:
+        yield "has no link; a xacro file is expanded first: xacro FILE -o robot.urdf"
+    elif len(roots) > 1:
+        yield f"has {len(roots)} links without a parent: {_listed(roots)}; connect them by joints"
 
 
 def _part_of_joint(tag: str, attributes: Mapping[str, str], line: int) -> dict[str, Any]:

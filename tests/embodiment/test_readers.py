@@ -226,6 +226,15 @@ BOMB = '<!DOCTYPE r [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;">]>'
 ENTITY_BOMB = zipped({"word/document.xml": f"{BOMB}<w>&b;</w>"})
 
 
+def jointed(links: str, *joints: str) -> bytes:
+    """A robot whose links and the pairs between which there are joints have a letter each."""
+    between = (
+        f"<joint name='{pair}' type='fixed'><parent link='{pair[0]}'/><child link='{pair[1]}'/></joint>"
+        for pair in joints
+    )
+    return f"<robot>{''.join(f'<link name={each!r}/>' for each in links)}{''.join(between)}</robot>".encode()
+
+
 @pytest.mark.parametrize(
     ("name", "data", "sentence"),
     [
@@ -304,6 +313,21 @@ ENTITY_BOMB = zipped({"word/document.xml": f"{BOMB}<w>&b;</w>"})
             b"<robot><link name='a'/><link name='b'/><joint name='j'><parent link='a'/><child link='b'/>"
             b"<limit lower='2' upper='-2'/></joint></robot>",
             "the limits of the joint 'j' are 2 to -2; exchange them",
+        ),
+        (
+            "a.urdf",
+            b"<robot><link name='a'/><link name='b'/><joint name='j' type='hinge'><parent link='a'/><child link='b'/>"
+            b"</joint></robot>",
+            "the joint 'j' is of the type 'hinge'; there is: continuous, fixed, floating, planar, prismatic, revolute",
+        ),
+        ("a.urdf", jointed("ab", "ab", "ba"), "its joints are a circle: b, a, b; remove one of them"),
+        ("a.urdf", jointed("ab", "ab", "bb"), "the link 'b' is the child of 2 joints; leave it one"),
+        ("a.urdf", jointed("a", "aa"), "its joints are a circle: a, a; remove one of them"),
+        ("a.urdf", jointed("abc", "ac"), "has 2 links without a parent: a, b; connect them by joints"),
+        (
+            "a.urdf",
+            b"<robot name='a' xmlns:xacro='x'><xacro:include filename='b.xacro'/></robot>",
+            "has no link; a xacro file is expanded first: xacro FILE -o robot.urdf",
         ),
         ("a.urdf", b"<robot><joint name='a'><limit lower='nan'/>", "the limit 'lower' in line 1 is 'nan', which is no"),
     ],

@@ -4,13 +4,20 @@
 from __future__ import annotations
 
 import math
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from rai_missions.embodiment.body_text import read_urdf_text
-from rai_missions.embodiment.urdf import Body, BodyJoint, read_body
+from rai_missions.embodiment.extent import size_m
+from rai_missions.embodiment.urdf import JOINTS, Body, BodyJoint, read_body
 
 ROOT = Path(__file__).parents[2]
 SHIPPED = ("missions/tractor/identity/tractor.urdf", "missions/rosbot/identity/rosbot_xl.urdf")
@@ -104,3 +111,85 @@ def test_a_joint_of_a_turn_is_in_radians_and_degrees() -> None:
 def test_a_body_without_masses_has_none_in_its_overview() -> None:
     assert Body("x", (), ()).mass_kg == 0
     assert "total mass" not in text_of(b"<robot name='x'><link name='a'/></robot>")
+
+
+# ── Which files are one body ────────────────────────────────────────────────────────────────────────────────────
+
+LINKS = ("a", "b", "c", "d", "e")
+
+
+def drawn(joints: Sequence[tuple[str, str, str]]) -> bytes:
+    links = "".join(f'<link name="{name}"/>' for name in LINKS)
+    between = "".join(
+        f'<joint name="j{number}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
+        '<limit lower="0" upper="1" effort="1" velocity="1"/></joint>'
+        for number, (parent, child, kind) in enumerate(joints)
+    )
+    return f'<robot name="drawn">{links}{between}</robot>'.encode()
+
+
+@st.composite
+def trees(draw: st.DrawFn) -> list[tuple[str, str, str]]:
+    """Joints that make the links a tree, in any order."""
+    names = draw(st.permutations(LINKS))
+    parents = [draw(st.sampled_from(names[:place])) for place in range(1, len(names))]
+    return draw(
+        st.permutations(
+            [(each, child, draw(st.sampled_from(JOINTS))) for each, child in zip(parents, names[1:], strict=True)]
+        )
+    )
+
+
+def is_read(read: Callable[[], object]) -> bool:
+    try:
+        read()
+    except ValueError:
+        return False
+    return True
+
+
+@settings(max_examples=50)
+@given(
+    trees(), st.lists(st.tuples(st.sampled_from((*LINKS, "f")), st.sampled_from(LINKS), st.just("fixed"))), st.data()
+)
+def test_links_and_joints_are_a_body_where_urchin_reads_one_with_a_parent_each(
+    joints: list[tuple[str, str, str]], others: list[tuple[str, str, str]], data: st.DataObject
+) -> None:
+    urchin = pytest.importorskip("urchin", reason="urchin is not installed: the extra `urdf-test`")
+    joints = joints[data.draw(st.integers(0, len(others))) :] + others
+    is_one = all(times == 1 for times in Counter(child for _, child, _ in joints).values())
+    with tempfile.NamedTemporaryFile(suffix=".urdf") as file:
+        file.write(drawn(joints))
+        file.flush()
+        expected = is_one and is_read(lambda: urchin.URDF.load(file.name))
+    assert is_read(lambda: read_body("x", drawn(joints))) == expected
+
+
+@given(trees())
+def test_a_tree_of_links_is_a_body_in_whatever_order_it_is_written(joints: list[tuple[str, str, str]]) -> None:
+    assert [(joint.parent, joint.child, joint.kind) for joint in read_body("x", drawn(joints)).joints] == joints
+
+
+def test_the_size_of_a_long_chain_is_reckoned_link_by_link() -> None:
+    count = 2_000
+    box = '<collision><geometry><box size="1 1 1"/></geometry></collision>'
+    links = "".join(f'<link name="l{number}">{box}</link>' for number in range(count))
+    joints = "".join(
+        f'<joint name="j{number}" type="fixed"><parent link="l{number}"/><child link="l{number + 1}"/>'
+        '<origin xyz="0 0 0.5"/></joint>'
+        for number in range(count - 1)
+    )
+    body = read_body("x", f'<robot name="x">{links}{joints}</robot>'.encode())
+    calls = 0
+
+    def called(_frame: object, event: str, _of: object) -> None:
+        nonlocal calls
+        calls += event == "call"
+
+    sys.setprofile(called)
+    try:
+        size = size_m(body)
+    finally:
+        sys.setprofile(None)
+    assert size == pytest.approx((1, 1, 1 + 0.5 * (count - 1)))
+    assert calls < 400 * count

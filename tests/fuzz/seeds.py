@@ -83,7 +83,9 @@ def seeds(target: str) -> Iterator[bytes]:
         yield from (path.read_bytes() for path in sorted(ROOT.glob("missions/*/robot.*.json")))
     elif target == "identity":
         yield from (path.read_bytes() for path in sorted(ROOT.glob("missions/*/identity/*")) if _is_small(path))
-        yield b"<robot name='r'><link name='a'/><joint name='j' type='revolute'/></robot>"
+        links = b"<link name='a'/><link name='b'/>"
+        joint = b"<joint name='j' type='revolute'><parent link='a'/><child link='b'/></joint>"
+        yield b"<robot name='r'>" + links + joint + b"</robot>"
     else:
         yield from _runs(target)
 

@@ -113,9 +113,13 @@ def _literal(text: str) -> str:
 
 
 def urdf(names: Sequence[str], robot: str = "r") -> bytes:
-    """A robot whose links have these names."""
+    """A robot whose links have these names, all of them fixed to the first."""
     links = "".join(f"<link name={_quoted(name)}><inertial><mass value='1'/></inertial></link>" for name in names)
-    return f"<robot name={_quoted(robot)}>{links}</robot>".encode()
+    joints = "".join(
+        f"<joint name='j{number}' type='fixed'><parent link={_quoted(names[0])}/><child link={_quoted(name)}/></joint>"
+        for number, name in enumerate(names[1:])
+    )
+    return f"<robot name={_quoted(robot)}>{links}{joints}</robot>".encode()
 
 
 def _quoted(text: str) -> str:
