@@ -119,7 +119,6 @@ def talking(model: BaseChatModel | None = None) -> Iterator[Talk]:
         agent.attach(prepared.runner, prepared.journal)
         agent.run()
         talk.door.run()
-        talk.door.recognition.wait_ready()
         run = threading.Thread(target=prepared.runner.run, daemon=True)
         run.start()
         talk.world = prepared.world

@@ -110,6 +110,15 @@ class TextToSpeech:
                 self._closes.append(self._hri.listen(self._topic, self._receive))
                 self._closes.append(self._hri.listen_to_voice_commands(self._steer))
 
+    def wait_ready(self) -> None:
+        """Wait until the voice is loaded, where this agent runs.
+
+        Raises:
+            UsageError: It cannot be opened.
+        """
+        if self._closes:
+            self._process.wait_open()
+
     @property
     def stop_s(self) -> float:
         """How long `stop` may take."""

@@ -7,6 +7,7 @@ import json
 import sys
 import threading
 
+from rai_missions.cli.speech_faults import SpeechFaults
 from rai_missions.connectors.sound.connector import FRAME_BYTES, FRAME_S, SoundConnector
 from rai_missions.connectors.sound.devices import DeviceSound
 from rai_missions.connectors.sound.files import FileSound
@@ -14,7 +15,7 @@ from rai_missions.runtime.interrupts import until_signals
 from rai_missions.voice.listener import ListenSettings, SpeechListener, Transcript
 from rai_missions.voice.setup import ListenNames, open_recognition
 
-__all__ = ("listen_to", "play_sound")
+__all__ = ("line_of", "listen_to", "play_sound")
 
 AHEAD = 64
 """Frames of a file that may wait to be looked at."""
@@ -49,18 +50,18 @@ def play_sound(sound: bytes, device: str | None) -> int:
 def listen_to(file: str | None, device: str | None, names: ListenNames, *, as_json: bool) -> int:
     """Print each transcript; returns an exit status."""
     sound: SoundConnector = FileSound(file) if file is not None else DeviceSound(device)
-    count, warnings = [0], _Warnings()
+    count, faults = [0], SpeechFaults("listen")
 
     def show(transcript: Transcript) -> None:
-        warnings.take(transcript.fault)
+        faults.take(transcript.fault)
         if transcript.text:
             count[0] += 1
             print(json.dumps(transcript._asdict()) if as_json else line_of(transcript, names), flush=True)
 
-    recognition = open_recognition(names, ListenSettings(), on_transcript=show, on_fault=warnings.take)
+    recognition = open_recognition(names, ListenSettings(), on_transcript=show, on_fault=faults.take)
     try:
         recognition.wait_ready()
-        warnings.begin()
+        faults.begin()
         sound.listen(recognition.listener.take)
         sound.start()
         if isinstance(sound, FileSound):
@@ -76,23 +77,6 @@ def listen_to(file: str | None, device: str | None, names: ListenNames, *, as_js
     if not count[0]:
         print(f"rai-missions listen: nothing was understood in {file}", file=sys.stderr)
     return int(not count[0])
-
-
-class _Warnings:
-    """Faults of what listens, each printed once; one that keeps it from its begin is raised instead."""
-
-    def __init__(self) -> None:
-        self._printed, self._begun = set[str](), False
-
-    def begin(self) -> None:
-        """All that listens is ready."""
-        self._begun = True
-
-    def take(self, fault: str) -> None:
-        """Print a fault, unless it is empty or was printed."""
-        if self._begun and fault and fault not in self._printed:
-            self._printed.add(fault)
-            print(f"rai-missions listen: {fault}", file=sys.stderr)
 
 
 def line_of(transcript: Transcript, names: ListenNames) -> str:

@@ -3,12 +3,11 @@
 
 from __future__ import annotations
 
-import sys
-
 from rai_missions.agents.runner import AgentRunner
 from rai_missions.agents.text_to_speech import TextToSpeech
 from rai_missions.agents.voice_recognition import VoiceRecognition
 from rai_missions.cli.sound import line_of
+from rai_missions.cli.speech_faults import SpeechFaults
 from rai_missions.connectors.hri.connector import FROM_HUMAN, TO_HUMAN, HRIConnector
 from rai_missions.connectors.sound.connector import SoundConnector
 from rai_missions.voice.listener import Transcript
@@ -41,7 +40,7 @@ def serve_voice(
     from rai_missions.connectors.ros2 import open_connector
 
     connector = open_connector({} if domain is None else {"domain_id": domain})
-    hri = HRIConnector(connector)
+    hri, faults = HRIConnector(connector), SpeechFaults("voice")
     speech = TextToSpeech(
         sound,
         hri,
@@ -49,7 +48,7 @@ def serve_voice(
         voice=voice,
         language=language,
         on_message_end=_show_end,
-        on_fault=_warn,
+        on_fault=faults.take,
         last_words_s=LAST_WORDS_S,
     )
 
@@ -65,13 +64,15 @@ def serve_voice(
         names=names,
         on_transcript=take,
         on_present=speech.interrupt,
-        on_fault=_warn,
+        on_fault=faults.take,
     )
     agents = AgentRunner({"voice": speech, "recognition": recognition}, connector=connector, name="speech")
     try:
         connector.start()
         agents.run()
+        speech.wait_ready()
         recognition.wait_ready()
+        faults.begin()
         sound.start()
         print("ready; Ctrl-C ends it", flush=True)
         return agents.serve()
@@ -84,7 +85,3 @@ def serve_voice(
 
 def _show_end(text: str, how: SpokenEnd) -> None:
     print(f"robot ({how}): {text}", flush=True)
-
-
-def _warn(why: str) -> None:
-    print(f"rai-missions voice: {why}", file=sys.stderr, flush=True)

@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 from rai_missions.connectors.process.frames import Broken
 from rai_missions.connectors.process.life import PATIENCE_S, ProcessLife
 from rai_missions.connectors.worker import Work, Worker
+from rai_missions.errors import UsageError
 from rai_missions.redaction import cut, logger
 from rai_missions.voice.kind import SpeechSort
 
@@ -103,6 +104,15 @@ class SpeechProcess:
         """Wait until it is open, or cannot be opened; whether it is open."""
         self._is_ready.wait(within_s)
         return self._is_ready.is_set() and not self._absent
+
+    def wait_open(self) -> None:
+        """Wait until it is open.
+
+        Raises:
+            UsageError: It cannot be opened; the sentence states what is missing.
+        """
+        if not self.wait_ready():
+            raise UsageError(self._absent or f"the {self.sort} '{self.name}' does not start")
 
     def close(self, within_s: float = PATIENCE_S) -> None:
         """End the process and all that descends from it; what was asked ends with a fault."""

@@ -42,8 +42,7 @@ class Recognition(NamedTuple):
             UsageError: One cannot be opened; the sentence states what is missing.
         """
         for process in self.processes:
-            if not process.wait_ready():
-                raise UsageError(process.absent or f"the {process.sort} '{process.name}' does not start")
+            process.wait_open()
 
     def close(self) -> None:
         """End all processes."""

@@ -35,7 +35,6 @@ def test_a_question_that_is_spoken_is_answered_in_sound() -> None:
     room.listen(frames.append)
     tick = threading.Event()
     try:
-        door.recognition.wait_ready()
         room.person_speaks(quiet(0.5) + spoken("What are you doing?"))
         for _ in range(400):
             room.step()

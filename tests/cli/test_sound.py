@@ -154,6 +154,31 @@ def test_what_speaks_and_listens_next_to_a_run_is_refused_before_the_start(
     assert capsys.readouterr().err == f"rai-missions run: {why}\n"
 
 
+@needs_voice
+@pytest.mark.xdist_group("voice")
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        (["--voice", "flite:spkr=slt"], "the voice 'flite' has no option 'spkr'; did you mean 'speaker'?"),
+        (["--voice", "flite:speaker=bob"], "flite has no speaker 'bob'; there is: slt, rms, awb, kal, kal16"),
+        (["--voice", "--wake-word", "alexia"], "there is no wake word 'alexia'; did you mean 'alexa'?"),
+        (
+            ["--voice", "--recogniser", "whisper:wieghts=base"],
+            "the recogniser 'whisper' has no option 'wieghts'; did you mean 'weights'?",
+        ),
+    ],
+)
+def test_a_wrong_option_of_what_speaks_and_listens_is_named_ahead_of_the_device_and_the_journal(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, words: list[str], why: str
+) -> None:
+    journal = tmp_path / "run.journal"
+    mission = ["missions/tractor/mission.json", "--robot", "missions/tractor/robot.sim.json"]
+    assert main(["run", *mission, "--journal", str(journal), "--no-operator", "--talk", *words]) == 2
+    out, error = capsys.readouterr()
+    assert error.strip().splitlines()[-1] == f"rai-missions run: {why}" and not out
+    assert not journal.exists()
+
+
 def test_a_mission_behind_voice_is_the_mission() -> None:
     given = RunOptions(talk=True, voice="mission.json")
     assert normalise_voice_args(given) == RunOptions("mission.json", talk=True, voice="flite")
@@ -173,5 +198,6 @@ def test_a_run_that_cannot_be_spoken_with_names_the_device_and_does_not_begin(
         pass
     mission = ["missions/tractor/mission.json", "--robot", "missions/tractor/robot.sim.json"]
     assert main(["run", *mission, "--no-operator", "--talk", "--voice"]) == 2
-    error = capsys.readouterr().err
+    out, error = capsys.readouterr()
     assert "libportaudio2" in error or "doctor --voice" in error
+    assert not out, "no journal is begun"

@@ -7,6 +7,7 @@ Rule: all that comes through it has the role `person`, whatever is spoken.
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 
 from rai_missions.agents.agent import AgentHealth
 from rai_missions.agents.talk.doors import OnSpoken, TakesSentence, TalkLine
@@ -33,6 +34,7 @@ class VoiceDoor:
         names: Which recognisers and which wake word.
         settings: The phrases that are expected, and times.
         voice: By name.
+        on_fault: See `TextToSpeech`, and `VoiceRecognition`.
         patience_s: See `TextToSpeech`.
     """
 
@@ -47,21 +49,34 @@ class VoiceDoor:
         names: ListenNames = NAMES,
         settings: ListenSettings = SETTINGS,
         voice: str = "flite",
+        on_fault: Callable[[str], object] | None = None,
         patience_s: float = 5.0,
     ) -> None:
         self._sound, self._receive = sound, receive
         self._lock = threading.Lock()
         self._ends: dict[str, OnSpoken] = {}
-        self.speech = TextToSpeech(sound, voice=voice, on_end=self._ended, patience_s=patience_s)
+        self.speech = TextToSpeech(sound, voice=voice, on_end=self._ended, on_fault=on_fault, patience_s=patience_s)
         self.recognition = VoiceRecognition(
-            sound, names=names, settings=settings, on_transcript=self._take, on_present=self.speech.interrupt
+            sound,
+            names=names,
+            settings=settings,
+            on_transcript=self._take,
+            on_present=self.speech.interrupt,
+            on_fault=on_fault,
         )
 
     def run(self) -> None:
-        """Begin, and return."""
-        self._sound.start()
+        """Begin, and return once all that speaks and listens is loaded; the devices are opened last.
+
+        Raises:
+            UsageError: Something is not installed, or an option is wrong.
+            ConnectorError: There is no such device.
+        """
         self.speech.run()
         self.recognition.run()
+        self.speech.wait_ready()
+        self.recognition.wait_ready()
+        self._sound.start()
 
     def stop(self) -> None:
         """End what was begun; what was not spoken whole has failed."""

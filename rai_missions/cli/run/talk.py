@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from rai_missions.cli.speech_faults import SpeechFaults
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.profile import ConversationPolicy
 from rai_missions.runtime.run_options import RunObserver
@@ -15,6 +16,7 @@ from rai_missions.runtime.run_options import RunObserver
 if TYPE_CHECKING:
     from rai_missions.agents.mission import PreparedRun, RunConfig
     from rai_missions.agents.talk.doors import TalkDoor, TextDoor
+    from rai_missions.agents.talk.voice_door import VoiceDoor
     from rai_missions.cli.progress import Lines
     from rai_missions.cli.run.options import RunOptions
     from rai_missions.cli.run.talk_session import TalkSession
@@ -50,6 +52,8 @@ class TalkSetup:
         self._policy = (profile and profile.conversation) or ConversationPolicy()
         self._waits = self._policy.begins == "ready"
         self._session: TalkSession | None = None
+        self._faults = SpeechFaults("run")
+        self._voice = self._voice_door(options.voice) if options.voice is not None else None
         self.config = replace(
             config.observed_by(RunObserver(self._follow_step, self._follow_status)),
             waits=self._waits,
@@ -58,18 +62,44 @@ class TalkSetup:
         )
         """What the run is to be made of instead: at the wall's speed, since a person takes part."""
 
+    def run(self) -> None:
+        """Open the microphone and the speaker of this machine, where they are asked for.
+
+        Raises:
+            UsageError: No voice or recogniser can be opened.
+            ConnectorError: There is no such device.
+        """
+        if self._voice is not None:
+            self._voice.run()
+            self._faults.begin()
+
     def open(self, prepared: PreparedRun, config: RunConfig, doors: list[TalkDoor]) -> TalkSession:
         """Begin to talk about a run that is prepared; see `TalkSession`."""
         from rai_missions.cli.run.talk_session import TalkSession
 
         self._session = TalkSession(self._options, self._policy, prepared, config, waits=self._waits)
-        self._session.run(prepared, doors)
+        self._session.run(prepared, doors, self._voice)
         return self._session
 
     def close(self) -> None:
         """Talk no more; closed already, nothing happens."""
         if self._session is not None:
             self._session.close()
+        if self._voice is not None:
+            self._voice.stop()
+
+    def _voice_door(self, voice: str) -> VoiceDoor:
+        """The microphone and the speaker of this machine."""
+        from rai_missions.agents.talk.voice_door import VoiceDoor
+        from rai_missions.connectors.sound.devices import DeviceSound
+        from rai_missions.voice.setup import ListenNames
+
+        names = ListenNames(self._options.recogniser, wake_word=self._options.wake_word)
+        return VoiceDoor(DeviceSound(), self._receive, names=names, voice=voice, on_fault=self._faults.take)
+
+    def _receive(self, text: str, **words: Any) -> str:
+        """A sentence that is spoken."""
+        return self._session.take(text, **words) if self._session is not None else "the run is not prepared yet"
 
     def _follow_step(self, step: Step) -> None:
         if self._session is not None:
@@ -111,6 +141,7 @@ def talk_of(options: RunOptions, config: RunConfig) -> Iterator[TalkSetup | None
         return
     setup = TalkSetup(options, config, _checked_profile(config))
     try:
+        setup.run()
         yield setup
     finally:
         setup.close()

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -20,10 +20,11 @@ from rai_missions.runtime.interrupts import on_interrupts
 
 if TYPE_CHECKING:
     from rai_missions.agents.mission import PreparedRun, RunConfig
-    from rai_missions.agents.talk.doors import TalkDoor, TalkLine
+    from rai_missions.agents.talk.doors import TakesSentence, TalkDoor, TalkLine
     from rai_missions.agents.talk.hri_door import HRIDoor
     from rai_missions.agents.talk.model import TalkModel
     from rai_missions.agents.talk.page_ear import PageEar
+    from rai_missions.agents.talk.voice_door import VoiceDoor
     from rai_missions.cli.run.options import RunOptions
     from rai_missions.conversation import BuildView
     from rai_missions.embodiment.identity import Identity
@@ -89,22 +90,24 @@ class TalkSession:
             likeness=likeness_in(settings.language),
         )
 
-    def run(self, prepared: PreparedRun, doors: Iterable[TalkDoor]) -> None:
+    def run(self, prepared: PreparedRun, doors: Iterable[TalkDoor], voice: VoiceDoor | None) -> None:
         """Begin to talk about the first run.
 
         Args:
             prepared: The run.
-            doors: Where text is shown; the microphone and the topics are opened here.
+            doors: Where text is shown; the topics are opened here.
+            voice: The microphone and the speaker, which run; None: there are none.
 
         Raises:
-            UsageError: No voice can be opened, or the profile's topics have no robot.
+            UsageError: The profile's topics have no robot.
             ConnectorError: The robot's connector cannot carry the messages of `/conversation/hri`.
         """
         agent = self._agent
         for door in doors:
             agent.add_door(door)
-        if self._options.voice is not None:
-            self._open_voice(self._options.voice or "flite")
+        if voice is not None:
+            self._has_doors = True
+            agent.add_door(voice)
         topics = self._add_topics(prepared) if self._policy.hri else None
         self._runs.begin(prepared)
         agent.attach(prepared.runner, prepared.journal)
@@ -120,17 +123,6 @@ class TalkSession:
             except ConnectorError as fault:
                 raise ConnectorError(f"the profile, /conversation/hri: {fault}") from None
 
-    def _open_voice(self, voice: str) -> None:
-        """The microphone and the speaker of this machine, running."""
-        from rai_missions.agents.talk.voice_door import VoiceDoor
-        from rai_missions.connectors.sound.devices import DeviceSound
-        from rai_missions.voice.setup import ListenNames
-
-        names = ListenNames(self._options.recogniser, wake_word=self._options.wake_word)
-        door = VoiceDoor(DeviceSound(), self._agent.receive, names=names, voice=voice)
-        self._add_door(door, door.stop)
-        door.run()
-
     def _add_topics(self, prepared: PreparedRun) -> HRIDoor:
         """The door of messages on topics, which is not open yet."""
         from rai_missions.agents.talk.hri_door import HRIDoor
@@ -144,19 +136,21 @@ class TalkSession:
             prepared.closing.closes(connector.stop)
         hri = HRIConnector(connector)
         door = HRIDoor(hri, self._name, below=self._policy.hri_below, is_stop=self._agent.is_stop)
-        self._add_door(door, door.close)
-        return door
-
-    def _add_door(self, door: TalkDoor, close: Callable[[], None]) -> None:
         self._has_doors = True
         self._agent.add_door(door)
-        self._closing.callback(close)
+        self._closing.callback(door.close)
+        return door
 
     # -- where people talk ---------------------------------------------------------------------------------------
 
     def reach(self, *, is_typed_at: bool, is_watched: bool) -> None:
         """Where a sentence may come from."""
         self._is_typed_at, self._is_watched = is_typed_at, is_watched
+
+    @property
+    def take(self) -> TakesSentence:
+        """What takes a sentence, by whatever door."""
+        return self._agent.receive
 
     def type(self, text: str, waited_s: float) -> str:
         """A line that is written on the terminal, and how long ago it came; why it is not taken, or empty."""
