@@ -66,6 +66,8 @@ class Transcript(NamedTuple):
     """When the person stopped speaking, on the clock of the sound."""
     at: float
     """When the turn was known to have ended, on the same clock."""
+    given: float
+    """Until when there was sound as this was given, on the same clock: what came before `began` the person knew."""
     fault: str = ""
     """Why there is no transcript; empty if there is one."""
 
@@ -124,7 +126,8 @@ class SpeechListener:
         second: One that only decides whether a phrase is meant; it never counts alone.
         settings: What is listened for.
         on_transcript: Called once for each turn; a phrase of `at_once` may come before its turn has ended.
-        on_present: Called when a person surely speaks, with the instant; what is played should be cut.
+        on_present: Called when a person surely speaks, with the instant; what is played should be cut. Called again
+            after the transcript of a turn where they speak in the next one.
     """
 
     def __init__(
@@ -147,11 +150,14 @@ class SpeechListener:
         self._woken_until = self._passed_until = -1.0
         """Until when a turn may begin after the wake word, and after a turn that passed."""
         self._pending = 0
+        self._until = 0.0
+        """The end of the last frame."""
         self._rest = threading.Condition()
 
     def take(self, frame: SoundFrame) -> None:
         """The next frame; returns at once."""
         self._count(1)
+        self._until = frame.at + FRAME_S
         self._ear.ask(
             {"do": "take"},
             (frame.recorded, frame.played),
@@ -271,7 +277,7 @@ class SpeechListener:
         text, readings = words_of(known, self._settings)
         if text in self._settings.at_once:
             turn.is_given = True
-            self._on_transcript(Transcript(text, readings, offer.number, *turn.times))
+            self._give(Transcript(text, readings, offer.number, *turn.times, self._until))
 
     def _conclude(self, number: int) -> None:
         """Give the transcript of a turn, once it has ended and what it ended with is transcribed."""
@@ -288,7 +294,13 @@ class SpeechListener:
             text, readings = "", ()
         elif text and is_awake:
             self._passed_until = turn.times[2] + AWAKE_S
-        self._on_transcript(Transcript(text, readings, number, *turn.times, fault=known.fault))
+        self._give(Transcript(text, readings, number, *turn.times, self._until, known.fault))
+
+    def _give(self, transcript: Transcript) -> None:
+        """Give a transcript, by which a voice takes the person for finished; they may be speaking again."""
+        self._on_transcript(transcript)
+        if self._detector.present > transcript.turn:
+            self._on_present(transcript.given)
 
 
 def words_of(known: OfferReplies, settings: ListenSettings) -> FusedTurn:

@@ -16,8 +16,8 @@ from rai_missions.connectors.sound.connector import FRAME_S
 __all__ = ("TurnDetector", "TurnEvent", "TurnFrame", "TurnSettings")
 
 TurnEventKind = Literal["began", "present", "offered", "settled", "void", "ended"]
-"""`present`: surely a person. `offered`: to be transcribed. `settled`: what was offered counts, if it is a phrase that
-counts at once. `void`: what was offered."""
+"""`present`: surely a person; again where they speak on after an offer has settled. `offered`: to be transcribed.
+`settled`: what was offered counts, if it is a phrase that counts at once. `void`: what was offered."""
 WINDOW = 6
 """The last frames, of which some must be speech."""
 
@@ -96,6 +96,11 @@ class TurnDetector:
         self._spoken_until = 0.0
 
     @property
+    def present(self) -> int:
+        """The number of the turn in which a person surely speaks; 0: none does."""
+        return self._number if self._is_present else 0
+
+    @property
     def is_open(self) -> bool:
         """Whether a turn has begun and not ended."""
         return bool(self._turn)
@@ -133,6 +138,7 @@ class TurnDetector:
         self._spoken_until = frame.at + FRAME_S
         if self._is_offered:
             found.append(self._event("void", frame))
+            self._is_present = self._is_present and not self._is_settled  # what settled may have let us speak since
             self._is_offered = self._is_settled = self._is_short = False
         if not self._is_present and sum(self._recent) >= self._settings.present_frames:
             self._is_present = True

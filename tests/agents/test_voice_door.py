@@ -44,7 +44,9 @@ def test_a_question_that_is_spoken_is_answered_in_sound() -> None:
                 break
         (sentence,) = received
         assert sentence[0] == "What are you doing?"
+        waited_s = sentence[1].pop("waited_s")
         assert sentence[1] == {"role": "person", "channel": "voice", "readings": ("What are you doing?",)}
+        assert isinstance(waited_s, float) and 1.0 < waited_s < 4.0, "from the beginning of the sentence on"
         assert sum(frame.played != SILENCE for frame in frames) > 10, "an answer was played"
     finally:
         door.stop()

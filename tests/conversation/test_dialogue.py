@@ -25,7 +25,7 @@ from rai_missions.conversation import (
     TalkNote,
     Utterance,
 )
-from rai_missions.conversation.inputs import OrderResult
+from rai_missions.conversation.inputs import OrderResult, SpeechResult
 from rai_missions.conversation.sentences import SentenceStream, sentences
 from rai_missions.engine.decision import Offer, Question
 
@@ -331,3 +331,25 @@ def test_a_stream_gives_each_sentence_once_whatever_the_pieces() -> None:
         out += whole
     _, whole = stream.add("", is_end=True)
     assert [*out, *whole] == ["First one.", "Second one!", "And the third"]
+
+
+@given(st.floats(10.2, 16.0), st.floats(10.0, 20.0), st.sampled_from(["whole", "cut"]))
+def test_a_spoken_yes_counts_if_it_began_after_the_reading_back_had_ended(
+    ended: float, began: float, how: SpeechResult
+) -> None:
+    dialogue = Dialogue(view=RUNNING)
+
+    def given_out(text: str, at: float) -> tuple[list[str], list[Speech]]:
+        spoken = Utterance(text, "operator", "voice", at=at, readings=(text,) * 2)
+        outputs = dialogue.on_utterance(spoken, RUNNING)
+        orders = [each.name for each in outputs if isinstance(each, Order)]
+        return orders, [each for each in outputs if isinstance(each, Speech)]
+
+    orders, speeches = given_out("cancel the mission", 10.0)
+    assert not orders
+    dialogue.on_speech_end(SpeechEnd(speeches[-1].key, how, ended))
+    orders, speeches = given_out("yes", began)
+    assert orders == (["cancel"] if began >= ended else [])
+    if not orders:
+        dialogue.on_speech_end(SpeechEnd(speeches[-1].key, "whole", 25.0))
+        assert given_out("yes", 25.1)[0] == ["cancel"], "it was read back again"

@@ -52,6 +52,18 @@ def test_an_offer_is_settled_once_at_most_after_128_ms_in_which_no_one_speaks(pr
         assert all(probabilities[frame] < 0.5 for frame in frames)
 
 
+@given(st.lists(st.integers(1, 16), min_size=3, max_size=12))
+def test_who_speaks_on_after_128_ms_of_quiet_is_present_again_by_the_second_frame(runs: list[int]) -> None:
+    probabilities = [speech for number, count in enumerate(runs) for speech in [0.9 * (number % 2 == 0)] * count]
+    found = events(probabilities, end=False)
+    for place, event in enumerate(found):
+        if event.kind == "void" and found[place - 1].kind == "settled":
+            back = round(event.at / FRAME_S)
+            if probabilities[back : back + 1] == [0.9]:
+                assert found[place + 1].kind == "present"
+                assert found[place + 1].at <= event.at + FRAME_S + 1e-6
+
+
 @given(PROBABILITIES)
 def test_no_sound_belongs_to_two_turns_and_none_of_speech_is_lost(probabilities: list[float]) -> None:
     found = events(probabilities)
@@ -87,7 +99,7 @@ def test_a_turn_is_offered_with_the_first_frame_of_quiet_whatever_its_length(pro
 def test_a_pause_makes_an_offer_void_and_the_turn_is_offered_whole_again() -> None:
     found = events([0.9] * 10 + [0.0] * 8 + [0.9] * 5, end=True)
     kinds = [event.kind for event in found]
-    assert kinds == ["began", "present", "offered", "settled", "void", "offered", "ended"]
+    assert kinds == ["began", "present", "offered", "settled", "void", "present", "offered", "ended"]
     assert found[-2].clear.startswith(found[2].clear)
 
 

@@ -37,6 +37,7 @@ class TakesSentence(Protocol):
         author: str = "",
         readings: tuple[str, ...] = (),
         message_id: str = "",
+        waited_s: float = 0.0,
     ) -> str: ...
 
 

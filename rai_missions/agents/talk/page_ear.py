@@ -156,4 +156,5 @@ class PageEar:
             channel="page",
             author=microphone.author,
             readings=transcript.readings,
+            waited_s=transcript.given - transcript.began,
         )

@@ -108,7 +108,13 @@ class VoiceDoor:
     def _take(self, transcript: Transcript) -> None:
         self.speech.resume(cut=bool(transcript.text))
         if transcript.text:
-            self._receive(transcript.text, role="person", channel=CHANNEL, readings=transcript.readings)
+            self._receive(
+                transcript.text,
+                role="person",
+                channel=CHANNEL,
+                readings=transcript.readings,
+                waited_s=transcript.given - transcript.began,
+            )
 
     def _ended(self, key: str, how: SpokenEnd) -> None:
         with self._lock:

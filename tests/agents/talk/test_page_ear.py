@@ -62,6 +62,7 @@ def test_what_is_spoken_into_a_page_is_a_sentence_of_its_role_with_its_readings(
     readings = given["readings"]
     assert readings[:2] == ("cancel the mission",) * 2, "one of each recogniser"
     assert set(readings[2:]) <= {"cancel"}, "which a processor with other rounding may have read as well"
+    assert given["waited_s"] > 0.5, "it came when the person began"
 
 
 @needs_voice

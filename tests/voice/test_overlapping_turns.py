@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A person who speaks again while the turn before is still transcribed: the robot is quiet, and knows what came first.
+
+The ear reads how probable speech is from the frame itself, and the recogniser has the words that the test writes into a
+pipe, once it does: so the order of all that happens is the test's.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from rai_missions.connectors.sound.connector import FRAME_BYTES, FRAME_S, SoundFrame
+from rai_missions.testing import Inbox
+from rai_missions.voice.listener import SpeechListener, Transcript
+from rai_missions.voice.process import SpeechProcess
+
+PACKAGE = """
+from rai_missions.voice.kind import EarReading, Reading
+
+class LevelEar:
+    def take(self, recorded, played):
+        return EarReading(recorded[0] / 100, 0.0, recorded, recorded)
+
+class PipedWords:
+    def __init__(self, pipe):
+        self._pipe = pipe
+    def transcribe(self, samples, phrases):
+        with open(self._pipe) as words:
+            return Reading(words.readline().strip())
+"""
+OFFERS = """[rai_missions.ears]
+level = piped_words:LevelEar
+[rai_missions.recognisers]
+piped = piped_words:PipedWords
+"""
+SPEECH, QUIET = bytes([90]) * FRAME_BYTES, bytes(FRAME_BYTES)
+
+
+class Reported(NamedTuple):
+    """What a listener reports: `present`, or a text."""
+
+    what: str
+    turn: int = 0
+    began: float = 0.0
+    given: float = 0.0
+
+
+class Scene:
+    """A listener, the frames that it is given, and the words that its recogniser finds."""
+
+    def __init__(self, pipe: Path) -> None:
+        self._pipe, self._frames = pipe, 0
+        os.mkfifo(pipe)
+        self.found = Inbox[Reported]()
+        self._ear = SpeechProcess("ear", "level")
+        self._words = SpeechProcess("recogniser", "piped", {"pipe": str(pipe)})
+        for process in (self._ear, self._words):
+            process.open()
+            process.wait_open()
+        self._listener = SpeechListener(
+            self._ear, self._words, on_transcript=self._take, on_present=lambda at: self.found(Reported("present"))
+        )
+
+    def _take(self, found: Transcript) -> None:
+        self.found(Reported(found.text, found.turn, found.began, found.given))
+
+    def frames(self, *frames: bytes) -> None:
+        """The next frames, looked at."""
+        looked_at = threading.Event()
+        for frame in frames:
+            self._listener.take(SoundFrame(self._frames * FRAME_S, frame, QUIET))
+            self._frames += 1
+        self._ear.ask({"do": "take"}, (QUIET, QUIET), on_reply=lambda reply: looked_at.set())
+        assert looked_at.wait(20)
+
+    def words(self, text: str) -> None:
+        """What the recogniser finds in the sound that it has."""
+        self._pipe.write_text(f"{text}\n")
+
+    def wait(self, count: int) -> list[Reported]:
+        return self.found.wait(lambda all_: len(all_) >= count, f"{count} things are reported")
+
+    def close(self) -> None:
+        self._words.close()
+        self._ear.close()
+
+
+@pytest.fixture
+def scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Scene]:
+    (tmp_path / "piped_words.py").write_text(PACKAGE)
+    data = tmp_path / "piped_words-1.0.dist-info"
+    data.mkdir()
+    (data / "METADATA").write_text("Metadata-Version: 2.1\nName: piped-words\nVersion: 1.0\n")
+    (data / "entry_points.txt").write_text(OFFERS)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    found = Scene(tmp_path / "pipe")
+    yield found
+    found.close()
+
+
+def test_a_transcript_of_the_turn_before_leaves_a_person_present_who_speaks_again(scene: Scene) -> None:
+    scene.frames(*[SPEECH] * 5, *[QUIET] * 13, *[SPEECH] * 5)
+    assert [each.what for each in scene.wait(2)] == ["present", "present"]
+    scene.words("good morning")
+    assert [each.what for each in scene.wait(4)[2:]] == ["good morning", "present"]
+    scene.frames(*[QUIET] * 13)
+    scene.words("how are you")
+    assert [each.what for each in scene.wait(5)[4:]] == ["how are you"], "and they have finished"
+
+
+def test_a_person_who_speaks_on_after_a_stop_that_was_given_at_once_is_present_again(scene: Scene) -> None:
+    scene.frames(*[SPEECH] * 5, *[QUIET] * 5)
+    scene.words("stop")
+    assert [each.what for each in scene.wait(2)] == ["present", "stop"]
+    scene.frames(*[SPEECH] * 5)
+    assert [each.what for each in scene.wait(3)[2:]] == ["present"]
+
+
+def test_a_transcript_has_the_instant_at_which_it_is_given(scene: Scene) -> None:
+    scene.frames(*[QUIET] * 10, *[SPEECH] * 5, *[QUIET] * 13, *[QUIET] * 30)
+    scene.words("yes")
+    found = scene.wait(2)[1]
+    assert (found.began, found.given) == (pytest.approx(12 * FRAME_S), pytest.approx(58 * FRAME_S))
