@@ -106,6 +106,7 @@ class Dialogue:
             utterance: The sentence, with the role of its door.
             view: The run at this moment: ages and states are as new as this.
         """
+        utterance = utterance.without_secrets
         self._begin(utterance.at)
         self._follow(view)
         if self._talk.is_new(utterance) or self._sentences.is_stop(utterance):

@@ -12,6 +12,7 @@ from typing import Any, Literal, NamedTuple
 from rai_missions.engine.step import Refusal
 from rai_missions.event import Role
 from rai_missions.mission.start_fault import StartFault, StartFaultKind
+from rai_missions.redaction import cut
 
 __all__ = (
     "DocumentQuote", "FoundQuotes", "ModelText", "OrderEnd", "OrderResult", "RefusalKind", "SpeechEnd",
@@ -20,6 +21,8 @@ __all__ = (
 
 SpeechResult = Literal["whole", "cut", "failed"]
 """How a speech ended: every word came out; it was interrupted; the speaker did not speak it."""
+LONGEST_READ = 10_000
+"""Characters of a text in which a stop is looked for; a door takes no sentence that is longer than `LONGEST`."""
 RefusalKind = Literal[
     Refusal,
     StartFaultKind,
@@ -87,6 +90,12 @@ class Utterance(NamedTuple):
     @property
     def is_spoken(self) -> bool:
         return bool(self.readings)
+
+    @property
+    def without_secrets(self) -> Utterance:
+        """The same without the secrets of this process, and without what no grammar reads."""
+        readings = tuple(cut(each, LONGEST_READ) for each in self.readings)
+        return self._replace(text=cut(self.text, LONGEST_READ), readings=readings)
 
     @property
     def speaker(self) -> tuple[str, str]:

@@ -13,13 +13,12 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.conversation.language_faults import language_faults
-from rai_missions.conversation.phrases import Phrases, examples_of, part_of_verb, parts_of
+from rai_missions.conversation.phrases import AnyPhrase, Phrases, examples_of, part_of_verb, parts_of
 from rai_missions.errors import DefinitionError, UsageError, suggestion
 from rai_missions.kinds import known_names, offered
 from rai_missions.mission.json_reader import read_json
 from rai_missions.planning.text.language_file import LanguageTexts, language_codes, language_file, spoken, word_forms
 from rai_missions.planning.text.normalise import Normaliser, each_way
-from rai_missions.redaction import cut
 
 __all__ = ("QUOTING", "Language", "language", "languages", "spoken")
 
@@ -44,7 +43,7 @@ class Language(LanguageTexts):
 
     def __init__(self, data: Mapping[str, Any]) -> None:
         super().__init__(data)
-        self.normaliser = Normaliser(data, by=cut)
+        self.normaliser = Normaliser(data)
         self.examples = lru_cache(MOST_NAMES)(lambda phrase: examples_of(phrase, self.parts))
         """Plain sentences of a phrase."""
         self._name_and_unit = lru_cache(MOST_NAMES)(self._split_name)
@@ -56,6 +55,8 @@ class Language(LanguageTexts):
         self.parts: Mapping[str, str] = parts_of(data["parts"], verbs)
         self._verb = re.compile(rf"(?<![\w{{<])({'|'.join(sorted(verbs, key=len, reverse=True))})(?![\w}}>])")
         self.orders, self.warnings, self.questions = map(self._named_phrases, ("orders", "warnings", "questions"))
+        self.any_order = AnyPhrase(each.pattern for each in self.orders.values())
+        """The phrases of all orders."""
         self.yes, self.no, self.quiet, self.withdraw = map(self._phrases, ("yes", "no", "quiet", "withdraw"))
         self.again, self.other = self._phrases("again"), self._phrases("other")
         self.correction, self.rejected = self._phrases("correction"), self._phrases("rejected")
@@ -63,7 +64,7 @@ class Language(LanguageTexts):
         self.argument, self.with_values = self._phrases("argument"), self._phrases("with_values")
         self.polite, self.indirect = self._phrases("polite"), self._phrases("indirect")
         self.relayed = self._phrases("relayed")
-        self.reasons = re.compile(rf"[,\s]+{data['reason_pattern']}[^,.;:!?–—]*", re.IGNORECASE)
+        self.reasons = re.compile(rf"(?<![,\s])[,\s]+{data['reason_pattern']}[^,.;:!?–—]*", re.IGNORECASE)
         """What begins with a word for a reason, up to the next sign, with what is ahead of it."""
         self.reason_joints, self.on_the_way = self._phrases("reason_joints"), self._phrases("on_the_way")
         self.question_senses = self._named_phrases("question_senses")

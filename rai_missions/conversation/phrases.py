@@ -14,7 +14,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from rai_missions.errors import UsageError
 
-__all__ = ("SLOT", "Phrases", "example_of", "examples_of", "part_of_verb", "parts_of")
+__all__ = ("SLOT", "AnyPhrase", "Phrases", "example_of", "examples_of", "part_of_verb", "parts_of")
 
 ATOM = re.compile(r"[()\[\]|*$]|\{(\w+)\}|<(\w+)>|[^\s()\[\]|{}<>*$]+")
 SLOT = re.compile(r"\{(\w+)\}")
@@ -124,7 +124,33 @@ NOTHING = r"(?!)"
 _SIGNS = {"(": "(?:", ")": ")", "[": "(?:", "]": ")?", "|": "|", "*": WORDS, "$": "$"}
 
 
-class Phrases:
+class AnyPhrase:
+    """Phrases that are looked for together: whether one of them is there, and not which.
+
+    Args:
+        patterns: The regular expression of each, without slots.
+    """
+
+    def __init__(self, patterns: Iterable[str]) -> None:
+        self.pattern = "|".join(patterns) or NOTHING
+        self._any = re.compile(self.pattern)
+
+    def begin(self, words: Iterable[str]) -> bool:
+        """Whether the words begin with one of them."""
+        return self._any.match(_text(words)) is not None
+
+    def within(self, words: Iterable[str]) -> bool:
+        """Whether one of them is anywhere in the words."""
+        text = _text(words)
+        starts = (0, *(at + 1 for at, sign in enumerate(text[:-1]) if sign == " "))
+        return any(self._any.match(text, at) for at in starts)
+
+    def fits(self, words: Iterable[str]) -> bool:
+        """Whether the words fit one of them as a whole."""
+        return self._any.fullmatch(_text(words)) is not None
+
+
+class Phrases(AnyPhrase):
     """Several phrases of one sense.
 
     Args:
@@ -135,31 +161,20 @@ class Phrases:
     def __init__(self, phrases: Iterable[str], parts: Mapping[str, str]) -> None:
         phrases = list(phrases)
         compiled = [_compiled(phrase, parts) for phrase in phrases]
+        super().__init__(f"(?:{re.sub(r'[(][?]P<[^>]+>', '(?:', each)})" for each in compiled)
         self._each = [re.compile(each) for each in compiled]
-        slotless = [f"(?:{re.sub(r'[(][?]P<[^>]+>', '(?:', each)})" for each in compiled]
-        self.pattern = "|".join(slotless) or NOTHING
-        self._any = re.compile(self.pattern)
         self.slots = frozenset(slot for each in self._each for slot in each.groupindex)
         sources = " ".join([*phrases, *parts.values()])
         self.words = frozenset(re.findall(r"[^\W\d_]+", re.sub(r"\{\w+\}|<\w+>", " ", sources)))
 
     def match(self, words: Iterable[str]) -> Iterator[Mapping[str, str]]:
         """The slots of each phrase that the words fit as a whole."""
-        text = "".join(f"{word} " for word in words)
+        text = _text(words)
         for each in self._each:
             if found := each.fullmatch(text):
                 yield {name: value.strip() for name, value in found.groupdict().items() if value}
 
-    def begin(self, words: Iterable[str]) -> bool:
-        """Whether the words begin with one of them."""
-        return self._any.match("".join(f"{word} " for word in words)) is not None
 
-    def within(self, words: Iterable[str]) -> bool:
-        """Whether one of them is anywhere in the words."""
-        text = "".join(f"{word} " for word in words)
-        starts = (0, *(at + 1 for at, sign in enumerate(text[:-1]) if sign == " "))
-        return any(self._any.match(text, at) for at in starts)
-
-    def fits(self, words: Iterable[str]) -> bool:
-        """Whether the words fit one of them as a whole."""
-        return self._any.fullmatch("".join(f"{word} " for word in words)) is not None
+def _text(words: Iterable[str]) -> str:
+    """The words as a regular expression of phrases has them: each ends with a space."""
+    return " ".join([*words, ""])

@@ -133,7 +133,7 @@ class SentenceGrammar:
 
     def begins_an_order(self, words: Sequence[str]) -> bool:
         """Whether the words begin with a phrase of an order."""
-        return self.begins_a_start(words) or any(each.begin(words) for each in self.language.orders.values())
+        return self.begins_a_start(words) or self.language.any_order.begin(words)
 
     def is_value(self, words: Sequence[str], view: StatusView) -> bool:
         """Whether the words are a start by a value alone: `the kitchen`."""

@@ -38,8 +38,6 @@ __all__ = ("Handling", "SentenceSide")
 
 Handling = Literal["handled", "stopped", "unknown"]
 """What became of a sentence: rules answered it, it stopped the run, or the rules do not know it."""
-LONGEST_READ = 10_000
-"""Characters of a text in which a stop is looked for; a door takes no sentence that is longer than `LONGEST`."""
 DECISIONS = ("yes", "no")
 """What a sentence may mean for what was read back."""
 LATE_S = 30.0
@@ -90,7 +88,7 @@ class SentenceSide:
         """What each of its readings may mean."""
         readings, draft = utterance.readings or (utterance.text,), self._draft(utterance)
         view, is_typed = self._talk.view, not utterance.is_spoken
-        return [self._grammar.senses(cut(text, LONGEST_READ), view, draft, is_typed=is_typed) for text in readings]
+        return [self._grammar.senses(text, view, draft, is_typed=is_typed) for text in readings]
 
     def _draft(self, utterance: Utterance) -> Draft | None:
         """The order that this sentence may correct: its speaker's last, one that is read back, or one just taken."""
@@ -217,7 +215,7 @@ class SentenceSide:
         """
         if self._talk.settings.has_model or utterance.is_spoken or self._orders.confirmation.order is not None:
             return ()
-        text = cut(utterance.text, LONGEST_READ)
+        text = utterance.text
         if senses := self._answered_by_sense(text, utterance.role):
             return senses
         senses = self._grammar.without_reasons(text, self._talk.view)

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.conversation.arguments import BadValue, key_value
 from rai_missions.conversation.language import Language, spoken
-from rai_missions.conversation.phrases import SLOT, Phrases, example_of
+from rai_missions.conversation.phrases import SLOT, AnyPhrase, Phrases, example_of
 from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.view import KeyView, MissionView
 from rai_missions.planning.text.normalise import NEAREST as LEAST_MENDED
@@ -81,6 +81,7 @@ class StartPhrases:
         self._undecided = spatial | joints | frozenset(data["no_thing"]["any"])
         self._joints = frozenset([*data["clause_joints"], *data["lead"]])
         self._each = [self._compiled(phrase, arguments) for phrase, arguments in given.items()]
+        self._openings = AnyPhrase(each.phrases.pattern for each in self._each if not each.is_value)
         self._called = {name: language.written_out(spoken(name)) for choices in names.values() for name in choices}
         """Name of a value → its words, as a sentence has them."""
         named = (word for called in self._called.values() for word in called.split())
@@ -109,11 +110,12 @@ class StartPhrases:
 
     def begin(self, words: Sequence[str]) -> bool:
         """Whether the words begin with one of the phrases, but for those that a value alone fits."""
-        return any(each.phrases.begin(words) for each in self._each if not each.is_value)
+        return self._openings.begin(words)
 
     def senses(self, words: Sequence[str], missions: Sequence[MissionView]) -> Iterator[Sense]:
         """The starts that the words are; of several phrases that fit, one without values, else the one with most."""
-        return self._fitting(words, missions, [each for each in self._each if not each.is_value])
+        is_one = self._openings.fits(words)
+        return self._fitting(words, missions, [each for each in self._each if is_one and not each.is_value])
 
     def valued(self, words: Sequence[str], missions: Sequence[MissionView]) -> Iterator[Sense]:
         """The starts that a value alone is: `the kitchen`."""

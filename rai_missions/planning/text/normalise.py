@@ -94,23 +94,22 @@ class Normaliser:
 
     Args:
         data: The language's file.
-        by: How a text is cut: `redaction.cut` outside a step.
     """
 
-    def __init__(self, data: Mapping[str, Any], *, by: Cut = clipped) -> None:
-        self._cut = by
+    def __init__(self, data: Mapping[str, Any]) -> None:
         self._contractions: Mapping[str, str] = data["contractions"]
         self._endings: Mapping[str, str] = data["contraction_endings"]
         self._fillers = frozenset(data["fillers"])
         self.lead, self.tail = _by_length(data["lead"]), _by_length(data["tail"])
         """Politeness and addresses that may come first, or last, the longest first."""
+        self._leads, self._tails = _by_word(self.lead, 0), _by_word(self.tail, -1)
         self._reporting = frozenset(data["reporting"])
         self._quoting = frozenset(data["quoting"])
         self._articles = frozenset(data["articles"])
 
     def words(self, text: str) -> list[str]:
         """The words and numbers of a sentence, in lower case, contractions written out."""
-        return self.words_in(readable(text, by=self._cut))
+        return self.words_in(readable(text))
 
     def words_in(self, text: str) -> list[str]:
         """The same of a text that is `readable`."""
@@ -135,11 +134,11 @@ class Normaliser:
             words: Of one sentence.
             names: How the robot is called.
         """
-        lead, left = [*(name.lower().split() for name in names if name.strip()), *self.lead], self.spoken(words)
+        called, left = [name.lower().split() for name in names if name.strip()], self.spoken(words)
         while left:
             yield left
-            first = next((each for each in lead if left[: len(each)] == each), left)
-            left = left[len(first) :]
+            lead = (*called, *self._leads.get(left[0], ()))
+            left = left[len(next((each for each in lead if left[: len(each)] == each), left)) :]
 
     def bare(self, words: list[str], names: Iterable[str] = (), *, is_tail_first: bool = False) -> list[str]:
         """The words without politeness, address and fillers.
@@ -151,25 +150,30 @@ class Normaliser:
         """
         called = [name.lower().split() for name in names if name.strip()]
         words = self.spoken(words)
-        lead, tail = [*called, *self.lead], [*called, *self.tail]
-        ways = (lambda each: self._without_tail(each, tail), lambda each: _without_lead(each, lead))
+        ways = (self._without_tail, self._without_lead)
         before: list[str] = []
         while words != before:
             before = words
             for way in ways if is_tail_first else reversed(ways):
-                words = way(words)
+                words = way(words, called)
         return words
 
-    def _without_tail(self, words: list[str], tail: list[list[str]]) -> list[str]:
-        for each in tail:
+    def _without_lead(self, words: list[str], called: list[list[str]]) -> list[str]:
+        for each in (*called, *self._leads.get("".join(words[:1]), ())):
+            if len(words) > len(each) and words[: len(each)] == each:
+                return words[len(each) :]
+        return words
+
+    def _without_tail(self, words: list[str], called: list[list[str]]) -> list[str]:
+        for each in (*called, *self._tails.get("".join(words[-1:]), ())):
             is_shorter = len(words) > len(each) and words[-len(each) :] == each
             if is_shorter and words[-len(each) - 1] not in self._articles:
-                words = words[: -len(each)]
+                return words[: -len(each)]
         return words
 
     def is_quoting(self, text: str) -> bool:
         """Whether a text has words in quotation marks."""
-        return QUOTES.search(readable(text, by=self._cut)) is not None
+        return QUOTES.search(readable(text)) is not None
 
     def parts(self, text: str) -> list[str]:
         """The sentences of an utterance; one alone where it quotes or reports the words of others."""
@@ -189,15 +193,16 @@ class Normaliser:
         return [each for each in at.split(text.strip()) if each]
 
 
-def _without_lead(words: list[str], lead: list[list[str]]) -> list[str]:
-    for each in lead:
-        if len(words) > len(each) and words[: len(each)] == each:
-            words = words[len(each) :]
-    return words
-
-
 def _by_length(given: Iterable[str]) -> list[list[str]]:
     return sorted((words for each in given for words in each_way(each)), key=len, reverse=True)
+
+
+def _by_word(phrases: Iterable[list[str]], at: int) -> Mapping[str, list[list[str]]]:
+    """The phrases by their first word, or by their last, each list in their order."""
+    found = dict[str, list[list[str]]]()
+    for each in phrases:
+        found.setdefault(each[at], []).append(each)
+    return found
 
 
 def each_way(phrase: str) -> Iterator[list[str]]:
