@@ -39,6 +39,11 @@ def test_the_reference_has_each_package_and_nothing_private(pages: Any) -> None:
     assert not [module for modules in found.values() for module in modules if "._" in module]
 
 
+def test_no_file_takes_the_place_of_a_page() -> None:
+    pages = {path.with_suffix(".html") for path in (ROOT / "docs").rglob("*.md")}
+    assert [path for path in sorted(pages) if path.exists()] == []
+
+
 @pytest.mark.drill
 def test_the_site_is_built_without_a_warning_and_fetches_nothing(pages: Any, tmp_path: Path) -> None:
     command = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--strict", "--site-dir", str(tmp_path / "site")]
