@@ -162,23 +162,31 @@ build() {
 
 check_only=false
 packages=()
+
+# A package, behind those of ours that it is made of.
+add() {
+    local each
+    for each in $(sed -n 's#.*<depend>\(.*\)</depend>.*#\1#p' "$sources/$1/package.xml"); do
+        if [ -e "$sources/$each/package.xml" ]; then add "$each"; fi
+    done
+    if [[ " ${packages[*]} " != *" $1 "* ]]; then packages+=("$1"); fi
+}
+
 for argument in "$@"; do
     case "$argument" in
     --check) check_only=true ;;
     -*) fail "no option $argument; there is: --check" ;;
     *)
         [ -e "$sources/$argument/package.xml" ] || fail "no package $argument in interfaces/; there are: $(ls "$sources" | xargs)"
-        packages+=("$argument")
+        add "$argument"
         ;;
     esac
 done
 if [ ${#packages[@]} -eq 0 ]; then
-    # What another package is made of comes first.
-    for folder in "$sources"/vision_msgs/ "$sources"/*/; do
+    for folder in "$sources"/*/; do
         package="$(basename "$folder")"
-        if [[ " ${packages[*]} " == *" $package "* ]]; then continue; fi
         # A package without definitions yet has nothing to build.
-        if [ -e "$folder/package.xml" ] && [ -n "$(definitions "$package")" ]; then packages+=("$package"); fi
+        if [ -e "$folder/package.xml" ] && [ -n "$(definitions "$package")" ]; then add "$package"; fi
     done
 fi
 

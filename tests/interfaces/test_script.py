@@ -40,6 +40,12 @@ def test_a_check_reports_what_is_not_built_and_who_builds_it(empty_venv: Path) -
     assert reported == "interfaces: nav2_msgs: absent (8 interfaces)\ninterfaces: make ros-interfaces builds them\n"
 
 
+def test_a_package_brings_those_of_ours_that_it_is_made_of(empty_venv: Path) -> None:
+    _, reported = ran("--check", "rai_interfaces", "tf2_msgs", VENV=str(empty_venv))
+    packages = [line.split(":")[1].strip() for line in reported.splitlines()[:-1]]
+    assert packages == ["vision_msgs", "rai_interfaces", "tf2_msgs"]
+
+
 def test_without_the_wheels_it_states_how_to_get_them(empty_venv: Path) -> None:
     if not all(map(shutil.which, ("cmake", "g++"))):
         pytest.skip("no cmake or no g++ here")
