@@ -17,6 +17,8 @@ from rai_missions.redaction import cut, shown
 __all__ = ("ProcessAgent",)
 
 MOST_LINES = 20
+CLOSES_S = 1.5
+"""What is left after a program's time to end: it is killed, and its last lines are read."""
 
 
 class ProcessAgent:
@@ -24,7 +26,7 @@ class ProcessAgent:
 
     Args:
         command: The program and its arguments; no shell reads them.
-        stop_s: How long it may take to end.
+        stop_s: How long it may take to end; a run of a mission needs its `cancel_s`.
         environment: Its variables; this process's own where left out.
 
     Raises:
@@ -68,6 +70,11 @@ class ProcessAgent:
         self._process, self._is_clean = process, False
         self._reader = threading.Thread(target=self._read, args=(process,), name="agent's errors", daemon=True)
         self._reader.start()
+
+    @property
+    def stop_s(self) -> float:
+        """How long `stop` may take."""
+        return self._stop_s + CLOSES_S
 
     def stop(self) -> None:
         """Have it end by SIGTERM; what is left of its session after `stop_s` is killed."""

@@ -140,6 +140,17 @@ def test_when_no_agent_lives_it_is_over(troupe: Any) -> None:
     assert troupe("ends", "ends").wait() == 0
 
 
+def test_a_program_has_the_time_to_end_that_it_was_given(tmp_path: Path) -> None:
+    calm = "trap 'sleep 0.5; touch at_rest; exit 0' TERM; touch begun; sleep 600 & wait"
+    agent = ProcessAgent(["bash", "-c", f"cd '{tmp_path}'; {calm}"], stop_s=20.0)
+    runner = AgentRunner({"robot": agent}, stop_s=0.1)
+    runner.run()
+    assert wait_until((tmp_path / "begun").exists, within_s=30)
+    runner.stop()
+    assert runner.agents["robot"].state == "stopped"
+    assert (tmp_path / "at_rest").exists()
+
+
 def test_nothing_is_left_of_a_program_that_is_killed(tmp_path: Path) -> None:
     child = "import subprocess, sys; subprocess.run([sys.executable, '-c', 'import time; time.sleep(600)'])"
     agent = ProcessAgent([sys.executable, "-c", child], stop_s=0.3)
