@@ -7,6 +7,7 @@ the same run; the peer is what is often done, a loop that looks 50 times a secon
 
 from __future__ import annotations
 
+import gc
 import importlib.util
 import os
 import statistics
@@ -186,6 +187,7 @@ def missions(kind: str) -> None:
     begin = time.perf_counter()
     count, is_thinking, sees = (MISSIONS if kind == "hundred" else 1), kind == "thinking", kind == "camera"
     connector, started = open_connector({}), threading.Semaphore(0)
+    gc.freeze()  # as the command `run` does, with `set_apart`
     connector.start()
     for number in range(count):
         suffix = str(number) if count > 1 else ""
@@ -318,6 +320,7 @@ def main() -> None:
         print("ROS 2 is not installed, nothing is measured: pip install -e '.[ros,ros-test]'")
         return
     robot = Robot()
+    gc.freeze()  # a full search would be a late answer of the robot
     try:
         measure(robot)
     finally:  # its thread would keep the process

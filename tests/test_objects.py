@@ -56,7 +56,10 @@ GLOBALS = {
     ("rai_missions/embodiment/minilm.py", "os.environ"): f"{READS}; a maker's telemetry has no other switch",
     ("rai_missions/worlds/perception/__main__.py", "signal.signal"): PROCESS,
     ("rai_missions/connectors/ros2/connector.py", "atexit.register"): "taken back when it stops",
-    ("rai_missions/mission/garbage.py", "gc.freeze"): "thawed at once, and left alone where something is frozen",
+    (
+        "rai_missions/mission/garbage.py",
+        "gc.freeze",
+    ): "thawed at once, or when a command's run is over; left alone where something is frozen",
     ("rai_missions/mission/garbage.py", "gc.set_threshold"): "put back when the last one has built",
     ("rai_missions/recording/recording.py", "atexit.register"): "taken back when it closes",
     ("rai_missions/runtime/interrupts.py", "signal.signal"): "put back when the run ends",

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Garbage collection while much is built at once.
+"""Garbage collection while much is built at once, and while a mission runs.
 
 Rule: a search for garbage visits all that is alive. What grows by much that stays, and in which hardly anything is
-garbage, is searched rarely until it is built.
+garbage, is searched rarely until it is built; what was built for a run, not while it runs.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-__all__ = ("few_collections",)
+__all__ = ("few_collections", "set_apart")
 
 FEW = (100_000, 50, 1000)
 """The thresholds meanwhile: objects until a search, and searches of one generation until one of the next."""
@@ -68,3 +68,20 @@ def few_collections() -> Iterator[None]:
         yield
     finally:
         _builders.end()
+
+
+@contextmanager
+def set_apart() -> Iterator[None]:
+    """Have no search visit what is alive as this begins, until its end; for a process that does this alone.
+
+    A full search stops all threads while it visits what is alive: 75 ms where ROS is loaded. Garbage among what was
+    alive stays until the end. Where an application has frozen objects, nothing changes.
+    """
+    if gc.get_freeze_count():
+        yield
+        return
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()

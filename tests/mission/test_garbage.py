@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""While much is built, garbage is searched for rarely; whatever is nested or at once in threads, then as before."""
+"""While much is built, or a mission runs, garbage is searched for in less; whatever is nested, then as before."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.mission.garbage import FEW, MUCH, few_collections
+from rai_missions.mission.garbage import FEW, MUCH, few_collections, set_apart
 
 USUAL = (700, 10, 10)
 
@@ -110,3 +110,39 @@ def test_garbage_of_the_meantime_is_found_later() -> None:
             Circle()
     gc.collect()
     assert not any(isinstance(each, Circle) for each in gc.get_objects())
+
+
+def is_searched(given: object) -> bool:
+    return any(each is given for each in gc.get_objects())
+
+
+@pytest.fixture
+def thawed() -> Iterator[None]:
+    """As in a process of its own: the tests' own has frozen what it has loaded."""
+    was_frozen = gc.get_freeze_count()
+    gc.unfreeze()
+    yield
+    if was_frozen:
+        gc.freeze()
+
+
+@pytest.mark.usefixtures("thawed")
+def test_no_search_visits_what_lives_already_until_it_is_over() -> None:
+    before = [object()]
+    with set_apart():
+        later = [object()]
+        assert not is_searched(before) and is_searched(later)
+    assert is_searched(before) and is_searched(later)
+    with pytest.raises(KeyError), set_apart():
+        raise KeyError
+    assert not gc.get_freeze_count()
+
+
+@pytest.mark.usefixtures("thawed")
+def test_what_an_application_has_frozen_is_left_to_it() -> None:
+    gc.freeze()
+    later = [object()]
+    with set_apart():
+        assert is_searched(later)
+    assert gc.get_freeze_count()
+    gc.unfreeze()

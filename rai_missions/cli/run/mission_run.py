@@ -33,6 +33,7 @@ from rai_missions.cli.run.node import claiming_without_node, reject_single_run_o
 from rai_missions.cli.run.talk import normalise_voice_args, talk_of, talking
 from rai_missions.errors import DefinitionError, MissionError, UsageError
 from rai_missions.journal import opened
+from rai_missions.mission.garbage import set_apart
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import load_whole_profile, read_program
 from rai_missions.runtime.interrupts import on_interrupts
@@ -163,6 +164,7 @@ def _run(options: RunOptions, config: RunConfig, lines: Lines, signals: ExitStac
                 page.join(talk)
         ended: LastRun | None = None
         instance = uuid.uuid4().hex[:12]
+        stack.enter_context(set_apart())  # an e-stop is not to wait for a search of all that was loaded
         while True:
             with claiming_without_node(options, prepared, instance):
                 result = page.run(prepared, node.run) if page else node.run(prepared.runner)

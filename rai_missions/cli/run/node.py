@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rai_missions.agents.run_claims import claiming
 from rai_missions.errors import UsageError
+from rai_missions.mission.garbage import set_apart
 from rai_missions.runtime.interrupts import on_interrupts
 
 if TYPE_CHECKING:
@@ -95,7 +96,8 @@ def serve_managed(options: RunOptions, config: RunConfig, journals: Callable[[],
         node.run()
         try:
             print(f"node: {node.name.path} waits to be configured and activated", file=sys.stderr, flush=True)
-            node.wait()
+            with set_apart():
+                node.wait()
         finally:
             node.stop()
     return 0
