@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Examples of goals, of what is seen and of requests, which belong together: for proofs, and for played robots."""
+"""Examples of goals, sights, requests, readings and plans, which belong together: for proofs and played robots."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-__all__ = ("GOALS", "PAIRS", "REQUESTS", "SIGHTS", "ways")
+__all__ = ("GOALS", "PAIRS", "PLANS", "READINGS", "REQUESTS", "SIGHTS", "ways")
 
 Json = dict[str, Any]
 PAIRS = (("red_cube", "blue_cube"), ("green_cube", "yellow_cube"))
@@ -54,3 +54,39 @@ def _thing(name: str, x: float, y: float, z: float) -> Json:
 _stacked, _apart, *_rest = ways(*PAIRS[0], x=0.5)
 SIGHTS: tuple[Json, ...] = tuple({"things": things, "gripper": "empty"} for things in (_apart, _stacked, *_rest))
 """What may be seen of the first pair; first the two side by side."""
+
+
+_POSE: Json = {"x": 0.5, "y": 0.2, "z": 0.022, "yaw": 0.0}
+_MOVE: Json = {
+    "kind": "pick_and_place",
+    "object": PAIRS[0][0],
+    "pick": _POSE,
+    "place": _POSE,
+    "onto": PAIRS[0][1],
+    "assumes": [],
+    "why": "",
+}
+_MOVES: tuple[Json | None, ...] = (None, {**_MOVE, "spare": None}, {**_MOVE, "spare": _POSE})
+
+
+def _plans(moves: Iterable[Json | None], reason: str) -> tuple[Json, ...]:
+    """Plans with each of these next moves, with and without a thing in the hand."""
+    return tuple(
+        {"moves": [], "next": move, "reason": reason, "about": "", "avoided": [], **held}
+        for move in moves
+        for held in ({}, {"aside": _POSE})
+    )
+
+
+def _reading(goal: Mapping[str, Any] | None, **fields: str) -> Json:
+    return {"goal": goal, "question": "", "candidates": [], "reason": "", "about": "", "covers_all": False, **fields}
+
+
+PLANS: Mapping[str, Sequence[Json]] = {"succeeded": _plans(_MOVES, ""), "failed": _plans((None,), "unreachable")}
+"""How planning can end → plans: which fields a plan has, and which of them are unknown, is so in one of these."""
+READINGS: Mapping[str, Sequence[Json]] = {
+    "succeeded": (_reading(GOALS[0]),),
+    "unclear": (_reading(None, question="which one?", reason="ambiguous"),),
+    "refused": (_reading(None, reason="forbidden"),),
+}
+"""The same of reading a request."""

@@ -6,7 +6,7 @@ Rule: nothing is chosen before a rule looks at it; what is assumed of the robot 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
@@ -155,11 +155,14 @@ class OpenWorld:
         """
         state, fitting = node.state, dict[str, list[Any]]()
         assert state is not None
-        looked, outcomes = self.values.learned.within(into), sorted(state.computed())
+        outcomes = sorted(state.computed())
         known = [value for value in self.values.of(into) if value is not None]
         for outcome in outcomes:
             later = live.with_outcome(node, outcome, outcomes)
-            can_come = [value for value in known if state.comes_with(outcome, value, looked)]
+            examples = state.worked_out(outcome)
+            can_come = [
+                value for value in known if any(self._is_like(into, value, each) for each in examples or [value])
+            ]
             can_come = can_come or [max(known, key=len, default={})]
             fitting[outcome] = list({repr(later.of(into, value)): value for value in reversed(can_come)}.values())[::-1]
 
@@ -168,6 +171,18 @@ class OpenWorld:
             return ComputedResult(outcome, self.choices.pick(fitting[outcome]))
 
         return compute
+
+    def _is_like(self, path: str, value: Mapping[str, Any], example: Mapping[str, Any]) -> bool:
+        """Whether the fields that anybody looks at are known in an object if they are in another."""
+        learned = self.values.learned
+        for field in learned.within(path):
+            inner, one, other = f"{path}.{field}", value.get(field), example.get(field)
+            is_known = bool(one) if learned.is_goal(inner) else one is not None
+            if is_known != (other is not None):
+                return False
+            if isinstance(one, Mapping) and isinstance(other, Mapping) and not self._is_like(inner, one, other):
+                return False
+        return True
 
     # -- what is assumed ------------------------------------------------------------------------------------------
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """States: what a mission can be in, one file a kind; a file that is laid here is a kind of the format.
 
-Imports `guards` and `model`, and the modules of the root.
+Imports `guards`, `model` and `planning`, and the modules of the root.
 """
 
 from typing import TYPE_CHECKING

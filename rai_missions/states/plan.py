@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any
 
 from rai_missions.guards.analysis import Distinctions
 from rai_missions.model import KeyPath, Name, Path
 from rai_missions.model.references import Refers
+from rai_missions.planning.examples import PLANS
 from rai_missions.states.control import Controller
 from rai_missions.states.effects import Effect
 from rai_missions.states.state import State, TypeNeed
@@ -60,8 +61,8 @@ class Plan(State, word="plan"):
     def computed(self) -> frozenset[str]:
         return frozenset(("succeeded", "failed"))
 
-    def comes_with(self, outcome: str, value: Mapping[str, Any], looked: Collection[str]) -> bool:
-        return outcome == "succeeded" or not value.get("next")
+    def worked_out(self, outcome: str) -> Sequence[Mapping[str, Any]]:
+        return PLANS[outcome]
 
     def type_needs(self) -> Iterator[TypeNeed]:
         yield TypeNeed("/plan", self.plan, "object", "a plan leads to a goal, an object", is_goal=True)

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any
 
 from pydantic import Field
@@ -11,6 +11,7 @@ from pydantic import Field
 from rai_missions.guards.analysis import Distinctions
 from rai_missions.model import KeyPath, Name, Path
 from rai_missions.model.references import Refers
+from rai_missions.planning.examples import READINGS
 from rai_missions.states.control import Controller
 from rai_missions.states.effects import Effect
 from rai_missions.states.state import State, TypeNeed
@@ -57,9 +58,8 @@ class Read(State, word="read"):
     def computed(self) -> frozenset[str]:
         return frozenset(("succeeded", "unclear", "refused"))
 
-    def comes_with(self, outcome: str, value: Mapping[str, Any], looked: Collection[str]) -> bool:
-        goal = value.get("goal")
-        return "goal" not in looked or (bool(goal) if outcome == "succeeded" else goal is None)
+    def worked_out(self, outcome: str) -> Sequence[Mapping[str, Any]]:
+        return READINGS[outcome]
 
     def type_needs(self) -> Iterator[TypeNeed]:
         yield TypeNeed("/read", self.read_, "string", "a request is read from a string")

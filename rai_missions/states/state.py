@@ -7,7 +7,7 @@ Rule: a state is data. What it does while it is active is worked out by a pure m
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from functools import cache
 from itertools import chain
@@ -252,15 +252,15 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         """The outcomes of what it works out in the step in which it begins; empty for what runs longer."""
         return frozenset()
 
-    def comes_with(self, outcome: str, value: Mapping[str, Any], looked: Collection[str]) -> bool:
-        """Whether an outcome of `computed` can come with a value that is written.
+    def worked_out(self, outcome: str) -> Sequence[Mapping[str, Any]]:
+        """Examples of what it works out, as whole as it is written.
+
+        Which fields are known is so in one of them, whatever it works out. Without examples nothing is known of that.
 
         Args:
             outcome: Of `computed`.
-            value: As far as anybody looks at it.
-            looked: The fields that are looked at; one that is not in the value is null.
         """
-        return True
+        return ()
 
     def type_needs(self) -> Iterator[TypeNeed]:
         """What it reads or writes by itself that has to be of a type."""

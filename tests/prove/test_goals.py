@@ -70,6 +70,16 @@ def test_an_action_is_started_with_the_field_it_is_sent_with_and_rejected_withou
         assert verdicts(Mission.model_validate(given))["invariants"] == "refuted", state
 
 
+@pytest.mark.parametrize(("field", "verdict"), [("object", "proved"), ("pick", "proved"), ("spare", "refuted")])
+def test_a_move_of_a_plan_is_known_with_all_that_every_move_has(field: str, verdict: str) -> None:
+    given = moving()
+    unknown = {"all": [{"fresh": "plan.next"}, {"not": {"fresh": f"plan.next.{field}"}}]}
+    given["states"]["planning"]["transitions"].insert(0, {"on": "succeeded", "when": unknown, "to": "odd"})
+    given["states"]["odd"] = {"final": "failed"}
+    given["invariants"] = {"never": {"not": {"in": "odd"}}}
+    assert verdicts(Mission.model_validate(given))["invariants"] == verdict
+
+
 def test_a_success_that_does_not_ask_whether_it_is_reached_ends_failed_in_some_run() -> None:
     hasty = moving()
     del hasty["states"]["planning"]["transitions"][0]["when"]
