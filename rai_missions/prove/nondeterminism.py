@@ -190,6 +190,8 @@ class OpenBoard(AskedBoard):
         self.open_keys, self._choose, self._at = frozenset(open_keys), choose, at
         self.looked: set[str] = set()
         """The keys that were looked at since this was last emptied."""
+        self.replaced: set[str] = set()
+        """Those that were written since this was last emptied, and had not been looked at before."""
         self.counters = frozenset[str]()
         """Of numbers that are counted it is noted what had been added to them at each look."""
         self.counted: set[tuple[str, int]] = set()
@@ -257,6 +259,8 @@ class OpenBoard(AskedBoard):
                 dict.__setitem__(self, key, Stamped(entry[0].fresh(), self._at))
 
     def __setitem__(self, key: str, entry: Any) -> None:
+        if key not in self.looked:
+            self.replaced.add(key)
         value = entry[0]
         if isinstance(value, OpenFields) and key not in self.open_keys:  # a copy keeps what the original changes
             entry = Stamped(value.whole(), self._at)

@@ -77,7 +77,7 @@ class StepMaker:
         """Let something happen in one way; what came of it, and how many microsteps and ticks of trees it took."""
         environment, arrival, happening = self._environment, None, scene.happening
         chart, world, instruments = environment.chart, environment.world, environment.instruments
-        looked = world.board.looked
+        looked, replaced = world.board.looked, world.board.replaced
         environment.choices.begin(chosen)
         environment.load(here.place)
         if self._parts is not None:
@@ -86,8 +86,8 @@ class StepMaker:
         is_idle = (chart.mode == "paused" and happening.words != RESUME) or (
             environment.control.is_held and happening.kind == "write"
         )
-        looked.clear()
-        world.board.counted.clear()
+        for each in (looked, replaced, world.board.counted):
+            each.clear()
         environment.make(happening.do)
         draft = chart.state.draft
         work, footprint = len(draft.moves) + instruments.ticks, NOTHING
@@ -100,7 +100,7 @@ class StepMaker:
             way = Edge(happening.words, scene.at, environment.choices.trail)
             self._learn(here.number, way, is_idle)
             arrival, footprint = self._arrival(way, here, scene, kept)
-        asked = instruments.asked.union(self._stores.looked_at(read, written, self._counted()))
+        asked = instruments.asked.union(self._stores.looked_at(read - replaced, written, self._counted()))
         self._numbers, self._orders = max(self._numbers, chart.state.number), max(self._orders, chart.state.order)
         return StepOutcome(arrival, frozenset(asked), environment.choices.next(), footprint), work
 

@@ -10,6 +10,7 @@ import pytest
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import prove
 from rai_missions.prove.environment import Environment
+from rai_missions.prove.explorer import Space
 
 Json = dict[str, Any]
 LOW: Json = {"key": "battery", "<": 0.15}
@@ -240,3 +241,25 @@ def test_what_is_compared_with_what_a_tree_reports_can_be_the_same() -> None:
         },
     }))  # fmt: skip
     assert (proof.verdict, proof.never) == ("refuted", ())
+
+
+def test_a_step_that_replaces_a_value_is_made_once_whatever_it_was() -> None:
+    """One more value of `last` is one more step that writes it, and none of those that write over it."""
+
+    def made(*words: str) -> int:
+        put = [{"on": each, "to": "one", "do": [{"set": "last", "value": each}]} for each in words]
+        go = {"on": "go", "to": "two", "do": [{"set": "last", "value": "other"}]}
+        stop = {"on": "stop", "when": {"key": "last", "==": words[0]}, "to": "over"}
+        space = Space(Environment(Mission.model_validate({
+            "format": 1, "name": "replaced", "initial": "one", "events": {each: {} for each in (*words, "go", "stop")},
+            "blackboard": {"last": {"type": "string", "initial": words[0]}},
+            "states": {
+                "one": {"transitions": [*put, go, stop]},
+                "two": {"transitions": [{"when": {"key": "last", "==": "other"}, "to": "over"}]},
+                "over": OVER,
+            },
+        })))  # fmt: skip
+        space.explore()
+        return space.made
+
+    assert made("a", "b", "c") == made("a", "b") + 1
