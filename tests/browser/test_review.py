@@ -17,7 +17,7 @@ from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event
 from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
-from tests.browser.conftest import Open, until
+from tests.browser.conftest import Open, assert_accessible, until
 from tests.engine.test_goals import mission as stacking
 from tests.strategies import SIGHTS
 from tests.visualize.page.reading import HOSTILE, answered, data_of, folded, journal_of
@@ -169,6 +169,35 @@ def test_a_question_is_shown_as_it_was_asked_with_its_picture_its_answer_and_the
         "was not offered",
     ):
         assert words in reported
+
+
+def test_the_path_of_a_run_has_each_change_with_its_time_and_answer_and_leads_to_its_step(
+    journal: Path, opened: Open
+) -> None:
+    page = review(tractor(), [journal])
+    [run] = data_of(page)["runs"]
+    pool = run["pool"]
+    changed = [
+        index for index, row in enumerate(run["steps"]) if pool[row[3]] or {"asks", "outcome"} & set(pool[row[6]])
+    ]
+    window = opened(page)
+    window.click("#tab-path")
+    assert (
+        window.evaluate("[...document.querySelectorAll('#path [data-step]')].map((li) => Number(li.dataset.step))")
+        == changed
+    )
+    times = window.locator("#path li > a").all_inner_texts()
+    assert times == [f"{run['steps'][index][1]:.2f} s" for index in changed]
+    reported = window.inner_text("#path")
+    for words in (run["why"], "s there", HOSTILE[0], "was not offered", "the operator answered", "command start"):
+        assert words in reported, words
+    assert_accessible(window)
+    window.click("#path li:last-child > a")
+    until(window, f"document.querySelector('#path [aria-current=step]').dataset.step === '{changed[-1]}'")
+    assert window.get_attribute("#player output", "data-index") == str(changed[-1])
+    window.keyboard.press("<")
+    until(window, f"document.querySelector('#path [aria-current=step]').dataset.step === '{changed[-2]}'")
+    assert window.is_visible("#path")
 
 
 def test_one_who_cannot_answer_is_named_with_the_reason_once(opened: Open) -> None:

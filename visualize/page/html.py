@@ -34,6 +34,7 @@ SCRIPTS = (
     "details.js",
     "lenses.js",
     "player.js",
+    "path.js",
     "coverage.js",
     "summary.js",
     "changes.js",

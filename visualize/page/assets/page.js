@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The review page put together: what the keys, the search and the address ask for, and which part shows it.
 
-const TABS = ["summary", "step", "changes", "details", "transitions"];
+const TABS = ["summary", "path", "step", "changes", "details", "transitions"];
 
 class Page {
   constructor(data) {
@@ -16,7 +16,8 @@ class Page {
       { findings: this.findings, coverage: data.coverage, runs: data.runs, go });
     this.player = data.runs.length
       ? new Player(byId("player"), byId("step"), data, this.model,
-        { step: (frame) => this.played(frame), used: () => this.tab("step"), go }) : null;
+        { step: (frame) => this.played(frame), used: () => byId("path").hidden && this.tab("step"), go }) : null;
+    this.path = this.player ? new Path(byId("path"), data, this.player) : null;
     this.summary = data.summary ? new Summary(byId("summary"), data, this.details) : null;
     this.changes = data.changes ? new Changes(byId("changes"), data, this.details) : null;
     this.legend = new Legend(byId("legend"), data);
@@ -36,7 +37,7 @@ class Page {
     byId("name").textContent = shown(chart.name);
     byId("version").textContent = shown(versionOf(chart));
     byId("player").hidden = !this.player;
-    byId("tab-step").hidden = !this.player;
+    for (const name of ["path", "step"]) byId(`tab-${name}`).hidden = !this.player;
     byId("tab-summary").hidden = !this.summary;
     byId("tab-changes").hidden = !this.changes;
     if (this.changes) this.changes.draw();
@@ -125,6 +126,7 @@ class Page {
   tab(name) {
     if (byId(name).hidden) document.querySelector("aside").scrollTop = 0;
     this.tabs.show(name);
+    if (name === "path") this.path.at(this.path.index);
     if (name === "transitions" && !this.coverage.seen) this.coverage.draw();
   }
 
@@ -149,6 +151,7 @@ class Page {
 
   played({ active, taken, index, run }) {
     this.chart.show({ active, taken });
+    this.path.at(index);
     this.write({ run: run || "", step: index });
   }
 

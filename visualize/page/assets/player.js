@@ -90,11 +90,8 @@ class Player {
   }
 
   event(step) {
-    const { event } = step, details = event.data && Object.keys(event.data).length ? `: ${valueText(event.data)}` : "";
     return make("section", {}, make("h2", {}, `Step ${step.seq} `, make("small", {}, `${step.at.toFixed(2)} s`)),
-      make("p", {}, make("b", {}, event.kind === "event" ? "event " : event.kind === "tick" ? "" : `${event.kind} `),
-        event.kind === "tick" ? "time has passed" : event.name, event.number ? ` (number ${event.number})` : "",
-        details));
+      make("p", {}, eventWords(step.event)));
   }
 
   ended(step) {
@@ -108,10 +105,15 @@ class Player {
 
   moves(step) {
     if (!step.moves.length) return make("p", { class: "muted" }, "no transition was taken");
-    return listed("Taken", step.moves.map(([transitions, exited, entered, trigger]) => make("li", {},
+    return listed("Taken", this.ways(step).map((way) => make("li", {}, way)));
+  }
+
+  /** What a step left and entered, and by which transitions. */
+  ways(step) {
+    return step.moves.map(([transitions, exited, entered, trigger]) => [
       trigger ? [make("b", {}, trigger), ": "] : "", exited.length ? [exited.join(", "), " → "] : "",
       entered.map((name, index) => [index ? ", " : "", this.link("state", name)]),
-      transitions.map((place) => make("div", { class: "muted" }, this.link("transition", place, this.named(place)))))));
+      transitions.map((place) => make("div", { class: "muted" }, this.link("transition", place, this.named(place))))]);
   }
 
   /** A guard's place in words. */
@@ -219,4 +221,11 @@ class Player {
       link({ run: this.number, step: each.answered ?? each.step }, () => this.seek(each.answered ?? each.step),
         `${each.number} to ${each.whom}: ${each.verdict ? each.verdict[0] : "not answered"}`)))));
   }
+}
+
+/** What happened, before anything came of it. */
+function eventWords({ kind, name, number, data }) {
+  return [make("b", {}, kind === "event" ? "event " : kind === "tick" ? "" : `${kind} `),
+    kind === "tick" ? "time has passed" : name, number ? ` (number ${number})` : "",
+    data && Object.keys(data).length ? `: ${valueText(data)}` : ""];
 }

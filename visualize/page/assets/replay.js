@@ -60,12 +60,19 @@ class Replay {
     return found >= 0 && this.step(found).moves.length ? found : 0;
   }
 
-  /** The next step, or the one before, that moved or ended something. */
+  /** Whether a step moved, asked or ended something. */
+  isChange(index) {
+    const { moves, more } = this.step(index);
+    return Boolean(moves.length || more.outcome || more.asks);
+  }
+
+  changes() {
+    return this.run.steps.map((_, index) => index).filter((index) => this.isChange(index));
+  }
+
+  /** The next change, or the one before. */
   moved(index, way) {
-    for (let each = index + way; each >= 0 && each < this.length; each += way) {
-      const { moves, more } = this.step(each);
-      if (moves.length || more.outcome || more.asks) return each;
-    }
+    for (let each = index + way; each >= 0 && each < this.length; each += way) if (this.isChange(each)) return each;
     return way < 0 ? 0 : this.length - 1;
   }
 }

@@ -15,6 +15,7 @@ class Summary {
     this.host.replaceChildren(
       make("h2", { class: "purpose" }, given.purpose),
       chart.notes.length ? listed("Note", chart.notes.map((note) => make("li", {}, note))) : "",
+      runList(data.runs),
       this.details.faults(data.findings),
       this.invariants(given.invariants),
       make("section", {}, make("h3", {}, "Where a model is asked"), make("p", {}, given.asked),
@@ -26,7 +27,6 @@ class Summary {
       listed("What ends it from any state", given.interruptions.map((each) => make("li", {}, each))),
       given.controllers.length
         ? listed("Who commands the actuators", given.controllers.map((each) => make("li", {}, this.fact(each)))) : "",
-      runList(data.runs),
       this.words(),
     );
   }
