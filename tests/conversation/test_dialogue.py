@@ -353,3 +353,19 @@ def test_a_spoken_yes_counts_if_it_began_after_the_reading_back_had_ended(
     if not orders:
         dialogue.on_speech_end(SpeechEnd(speeches[-1].key, "whole", 25.0))
         assert given_out("yes", 25.1)[0] == ["cancel"], "it was read back again"
+
+
+@given(
+    st.sampled_from(["rover", "R2D", "Spot-", "arm_", "turtlebot", "Robo "]),
+    st.integers(0, 30).map(str),
+    st.sampled_from(["", "_xl", " east", ", simulated"]),
+    st.sampled_from(["{}, pause", "{} pause", "pause, {}", "{}, please pause", "hey {}, pause"]),
+)
+@settings(max_examples=40)
+def test_a_robot_is_addressed_by_its_name_whatever_digits_and_marks_are_in_it(
+    name: str, number: str, end: str, form: str
+) -> None:
+    view = RUNNING._replace(robot=f"{name}{number}{end}")
+    address = f"{name}{number}{end}".partition(",")[0]
+    outputs = Dialogue(view=view).on_utterance(Utterance(form.format(address), "operator", "terminal"), view)
+    assert [each.name for each in outputs if isinstance(each, Order)] == ["pause"]

@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from functools import lru_cache
 from itertools import product
 from typing import Any
 
@@ -106,10 +107,15 @@ class Normaliser:
         self._reporting = frozenset(data["reporting"])
         self._quoting = frozenset(data["quoting"])
         self._articles = frozenset(data["articles"])
+        self._called = lru_cache(maxsize=64)(self._words_of)
 
     def words(self, text: str) -> list[str]:
         """The words and numbers of a sentence, in lower case, contractions written out."""
         return self.words_in(readable(text))
+
+    def _words_of(self, names: tuple[str, ...]) -> list[list[str]]:
+        """How a robot is called, in words as its sentences have them: `rover2` is two."""
+        return [words for name in names if (words := self.words(name))]
 
     def words_in(self, text: str) -> list[str]:
         """The same of a text that is `readable`."""
@@ -134,7 +140,7 @@ class Normaliser:
             words: Of one sentence.
             names: How the robot is called.
         """
-        called, left = [name.lower().split() for name in names if name.strip()], self.spoken(words)
+        called, left = self._called(tuple(names)), self.spoken(words)
         while left:
             yield left
             lead = (*called, *self._leads.get(left[0], ()))
@@ -148,7 +154,7 @@ class Normaliser:
             names: How the robot is called; each may come first or last.
             is_tail_first: What may come last is removed first: of `hi robot` a greeting is left, and no address.
         """
-        called = [name.lower().split() for name in names if name.strip()]
+        called = self._called(tuple(names))
         words = self.spoken(words)
         ways = (self._without_tail, self._without_lead)
         before: list[str] = []
