@@ -17,6 +17,7 @@ from rai_missions.keys import Key
 from rai_missions.mission.mission import Mission
 from rai_missions.model.references import reference_word
 from rai_missions.prove.parts import guards_in, parts, writes_in
+from rai_missions.prove.places import AXES, Places, are_apart
 from rai_missions.states.action import GoalFields
 from rai_missions.states.call import CallFields
 from rai_missions.states.compound import Each
@@ -69,10 +70,13 @@ class Comparisons:
         """Key → what is added to it."""
         self.met: set[tuple[str, str, str]] = set()
         """Path, operator and path of each comparison of two; the operator is empty where it is not known."""
+        self.measured: set[tuple[str, str]] = set()
+        """The two paths of each distance that a guard asks for."""
         self._mission = mission
         self._own: list[tuple[str, Any]] = []
         """Paths, and what each can be by the mission's own doing."""
         self._copied: set[str] = set()
+        self._sources: set[str] = set()
         self._odd: set[str] = set()
         self._learn(mission, terms)
 
@@ -122,6 +126,7 @@ class Comparisons:
     def measure(self, path: str, other: str, within_m: float) -> None:
         for each in (path, other):
             self.near.setdefault(each, set()).add(within_m)
+        self.measured.add((path, other))
         self._join(path, other)
 
     def ask(self, path: str) -> None:
@@ -151,6 +156,7 @@ class Comparisons:
         elif effect.source is not None:
             self._join(effect.set, effect.source)
             self._copied.add(effect.set)
+            self._sources.add(effect.source)
         else:
             self._constant(effect.set, effect.value)
 
@@ -251,8 +257,47 @@ class Comparisons:
     def _far(self) -> Iterator[str]:
         for path, radii in self.near.items():
             kin = self.kin_of(path)
-            if len(kin) > 2 or (len(radii) > 1 and kin & self._copied):
+            is_odd = len(kin) > 2 or (len(radii) > 1 and kin & self._copied)
+            if is_odd and not self.places(path) and not self._is_among_constants(path):
                 yield path
+
+    def places(self, path: str) -> Places | None:
+        """The places among which it is, or that it is one of; None where these do not represent all."""
+        kin, reading = self.kin_of(path), self._reading_of(path)
+        given = tuple(sorted(each for each in kin if reading and self.keys[each].source == "argument"))
+        is_bare = not any(self.atoms.get(each) or self.within(each) for each in kin)
+        if reading is None or not 0 < len(given) <= len(AXES) or not is_bare:
+            return None
+        if any(self.keys[each].source == "answer" for each in kin):
+            return None
+        return Places(reading, given, *self.near[reading])
+
+    def _is_among_constants(self, path: str) -> bool:
+        """It is a reading among poses that the mission wrote, which lie apart; or one of these."""
+        reading = self._reading_of(path)
+        sources = {self.keys[each].source for each in self.kin_of(path) if reading and each != reading}
+        return sources == {"mission"} and are_apart(self.operands(path), *self.near[reading or ""])
+
+    def _reading_of(self, path: str) -> str | None:
+        """The robot's reading that each distance to its kin is one of, all alike; None where more is done with them."""
+        kin = self.kin_of(path)
+        readings = [each for each in kin if each in self.keys and self.keys[each].source == "robot"]
+        keys = [self.keys[each] for each in kin if each in self.keys and self.keys[each].type == "pose"]
+        measured = [pair for pair in self.measured if kin & {*pair}]
+        if len(readings) != 1 or len(keys) != len(kin) or len({each.frame for each in keys}) != 1:
+            return None
+        (reading,) = readings
+        radii = {radius for each in kin for radius in self.near.get(each, ())}
+        is_alone = reading not in self._copied | self._sources and all(reading in pair for pair in measured)
+        is_odd = kin & (self._brought | {each for one, _, other in self.met for each in (one, other)})
+        return reading if is_alone and not is_odd and len(radii) == 1 and min(radii) > 0 else None
+
+    @cached_property
+    def _brought(self) -> set[str]:
+        """Keys that more than the start and `set` write: items of lists, results, what a package's kinds may write."""
+        items = {item for found in self.items.values() for item in found}
+        sent = [*parts(self._mission, GoalFields), *parts(self._mission, CallFields)]
+        return {*items, *(key for each in sent for key in each.result), *(self.keys if self._mission.uses else ())}
 
     def _looked_into(self) -> Iterator[str]:
         """Poses of which guards ask for a distance, and for a field as well."""

@@ -183,8 +183,11 @@ class Values:
     def _poses(self, path: str, key: Key | None) -> Iterator[Any]:
         """One in each ring that guards distinguish around what it may be compared with, and one far from all."""
         learned = self.learned
-        fixed = [each for each in learned.operands(path) if isinstance(each, Mapping)]
         frame = {"frame": key.frame} if key is not None and key.frame else {}
+        if places := learned.places(path):
+            yield from places.poses(path, frame)
+            return
+        fixed = [each for each in learned.operands(path) if isinstance(each, Mapping)]
         bases = fixed or [{"x": 0.0, "y": 0.0, **frame}]
         radii = sorted({radius for kin in learned.kin_of(path) for radius in learned.near.get(kin, ())})
         offsets = [0.0, *((low + high) / 2 for low, high in pairwise(radii))]

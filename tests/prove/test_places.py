@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A reading among places: it may be near each of them and far from the others, wherever they are."""
+
+from __future__ import annotations
+
+from itertools import product
+from random import Random
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rai_missions import Chart, Event
+from rai_missions.guards.near import distance
+from rai_missions.mission.mission import Mission
+from rai_missions.prove import Proof, prove
+from rai_missions.prove.places import Places
+
+Json = dict[str, Any]
+POSE: Json = {"type": "pose", "source": "robot", "max_age_s": 5, "frame": "map"}
+GIVEN: Json = {"type": "pose", "source": "argument", "frame": "map"}
+KEPT: Json = {"type": "pose", "frame": "map"}
+OVER: Json = {"final": "aborted"}
+
+
+def near(place: str, reading: str = "pose", within_m: float = 0.5) -> Json:
+    return {"near": [reading, place], "within_m": within_m}
+
+
+def proof_of(keys: Json, *guards: Json, do: list[Json] | None = None, **more: Any) -> Proof:
+    """Of a mission that leaves its first state by each of the guards, for a state each."""
+    ways = [{"when": guard, "to": f"way_{number}"} for number, guard in enumerate(guards)]
+    ends = {f"way_{number}": OVER for number, _ in enumerate(guards)}
+    return prove(Mission.model_validate({
+        "format": 1, "name": "places", "initial": "here", "blackboard": {"pose": POSE, **keys},
+        "states": {"here": {"entry": do or [], "transitions": ways}, **ends}, **more,
+    }))  # fmt: skip
+
+
+@given(many=st.integers(1, 3), within_m=st.floats(0.001, 1e4))
+def test_a_reading_can_be_near_any_of_its_places_and_far_from_the_others(many: int, within_m: float) -> None:
+    names = tuple("abc"[:many])
+    places = Places("pose", names, within_m)
+    at = {name: next(places.poses(name, {"frame": "map"})) for name in names}
+    found = [
+        tuple((metres := distance(reading, at[name])) is not None and metres <= within_m for name in names)
+        for reading in places.poses("pose", {"frame": "map"})
+    ]
+    assert sorted(found) == sorted(product((False, True), repeat=many))
+    copies = list(places.poses("target", {"frame": "map"}))
+    assert copies == [at[name] for name in names]
+
+
+def test_each_nearness_to_two_arguments_is_explored() -> None:
+    one, other = near("home"), near("shelf")
+    both, either = {"all": [one, other]}, {"any": [one, other]}
+    proof = proof_of({"home": GIVEN, "shelf": GIVEN}, both, {"all": [one, {"not": other}]}, other, {"not": either})
+    assert (proof.sampled, proof.never) == ((), ())
+
+
+def test_a_delivery_between_two_places_is_proved() -> None:
+    drive: Json = {"action": "drive", "timeout_s": 60}
+    proof = prove(Mission.model_validate({
+        "format": 1, "name": "delivery", "initial": "going",
+        "blackboard": {"pose": POSE, "home": GIVEN, "shelf": GIVEN},
+        "states": {
+            "going": {**drive, "achieved": near("shelf"), "transitions": [{"on": "succeeded", "to": "coming"}]},
+            "coming": {**drive, "achieved": near("home"), "transitions": [{"on": "succeeded", "to": "done"}]},
+            "done": {"final": "succeeded", "requires": near("home")}},
+    }))  # fmt: skip
+    assert (proof.verdict, proof.sampled) == ("proved", ())
+
+
+def test_a_target_that_is_set_from_arguments_is_one_of_them() -> None:
+    do = [{"set": "target", "from": "home"}]
+    target, home, shelf = near("target"), near("home"), near("shelf")
+    other_than_home = {"any": [{"all": [target, {"not": home}]}, {"all": [home, {"not": target}]}]}
+    keys = {"target": KEPT, "home": GIVEN, "shelf": GIVEN}
+    proof = proof_of(keys, other_than_home, {"all": [target, {"not": shelf}]}, {"all": [target, shelf]}, do=do)
+    assert (proof.sampled, proof.never) == ((), ("way_0",))
+
+
+def constant(x: float) -> Json:
+    return {**KEPT, "initial": {"x": x, "y": 0.0, "frame": "map"}}
+
+
+def test_constants_that_lie_apart_are_near_one_at_a_time() -> None:
+    both = {"all": [near("home"), near("shelf")]}
+    neither = {"not": {"any": [near("home"), near("shelf")]}}
+    keys = {"home": constant(0.0), "shelf": constant(3.0)}
+    proof = proof_of(keys, both, near("home"), near("shelf"), neither)
+    assert (proof.sampled, proof.never) == ((), ("way_0",))
+
+
+@pytest.mark.parametrize(("keys", "ways"), [
+    ({"home": constant(0.0), "shelf": constant(0.8)}, (near("home"), near("shelf"))),
+    ({"home": GIVEN, "shelf": GIVEN}, (near("home"), near("shelf", within_m=2))),
+    ({"home": GIVEN, "shelf": constant(3.0)}, (near("home"), near("shelf"))),
+    ({"home": GIVEN, "shelf": GIVEN}, (near("home"), near("shelf"), near("shelf", "home"))),
+    ({"home": GIVEN, "cup": POSE}, (near("home"), near("cup"))),
+    ({"home": GIVEN, "shelf": GIVEN}, (near("home"), near("shelf"), {"key": "home.x", ">": 1})),
+    ({"home": GIVEN, "told": {**KEPT, "source": "answer"}}, (near("home"), near("told"))),
+    (dict.fromkeys(("a", "b", "c", "d"), GIVEN), tuple(near(name) for name in ("a", "b", "c", "d"))),
+])  # fmt: skip
+def test_what_these_places_do_not_represent_is_named(keys: Json, ways: tuple[Json, ...]) -> None:
+    assert "pose" in proof_of(keys, *ways).sampled
+
+
+def test_a_reading_that_is_kept_or_a_place_that_a_result_brings_is_named() -> None:
+    keys = {"home": GIVEN, "last": KEPT}
+    assert "pose" in proof_of(keys, near("home"), near("last"), do=[{"set": "last", "from": "pose"}]).sampled
+    call: Json = {"call": "find", "timeout_s": 5, "result": {"target": "pose"}}
+    proof = prove(Mission.model_validate({
+        "format": 1, "name": "places", "initial": "here",
+        "blackboard": {"pose": POSE, "home": GIVEN, "target": KEPT},
+        "states": {"here": {**call, "transitions": [{"when": near("home"), "to": "over"},
+                                                    {"when": near("target"), "to": "over"}]}, "over": OVER},
+    }))  # fmt: skip
+    assert "pose" in proof.sampled
+
+
+def drawn_guard(chance: Random, names: tuple[str, ...]) -> Json:
+    one, other = (near(chance.choice([*names, "target"])) for _ in range(2))
+    return {chance.choice(["all", "any"]): [one, chance.choice([other, {"not": other}])]}
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_no_run_among_any_places_reaches_what_a_proof_calls_out_of_reach(seed: int) -> None:
+    chance = Random(seed)
+    names, states = ("a", "b", "c")[: 1 + seed % 3], ("s0", "s1", "s2", "s3")
+
+    def way() -> Json:
+        do = [{"set": "target", "from": chance.choice(names)}] if chance.random() < 0.5 else []
+        return {"on": "look", "when": drawn_guard(chance, names), "to": chance.choice([*states, "over"]), "do": do}
+
+    mission = Mission.model_validate({
+        "format": 1, "name": "drawn", "initial": "s0", "events": ["look"],
+        "blackboard": {"pose": {**POSE, "max_age_s": 1e6}, "target": KEPT, **dict.fromkeys(names, GIVEN)},
+        "states": {**{state: {"transitions": [way(), way()]} for state in states}, "over": OVER},
+    })  # fmt: skip
+    proof = prove(mission)
+    assert proof.sampled == ()
+    for _ in range(20):
+        chart = Chart(mission)
+        for key in (*names, "pose"):
+            chart.write(key, {"x": chance.uniform(-1, 1), "y": chance.uniform(-1, 1), "frame": "map"}, at=0.0)
+        chart.start(0.0)
+        for second in range(1, 30):
+            chart.write("pose", {"x": chance.uniform(-1, 1), "y": chance.uniform(-1, 1), "frame": "map"}, float(second))
+            chart.send(Event("look", second + 0.5))
+            assert chart.active.isdisjoint(proof.never), (chart.active, proof.never)
