@@ -1,18 +1,37 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a service answers, now or later, as one kind of value."""
+"""What serves a service or an action, and what a service answers, now or later, as one kind of value."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from functools import partial
+from typing import Any
 
 from rai_missions.connectors.connector import Answer, Data
+from rai_missions.errors import UsageError, uncalled
 from rai_missions.redaction import logger
 
-__all__ = ("ask", "ask_for")
+__all__ = ("ask", "ask_for", "check_action_server", "check_answer")
 
 log = logger(__name__)
+
+
+def check_answer(service: str, answer: object) -> None:
+    """Raise a `UsageError` for what cannot answer a request."""
+    if not callable(answer):
+        raise UsageError(f"{service} is served by a function of a request, not by {type(answer).__name__}")
+
+
+def check_action_server(action: str, server: object) -> None:
+    """Raise a `UsageError` for what is no `ActionServer`."""
+    is_one = not isinstance(server, type) and all(
+        callable(getattr(server, name, None)) for name in ("accept", "cancel")
+    )
+    if not is_one:
+        what = "an object with accept(goal_id, goal, report) and cancel(goal_id)"
+        given = f"a class{uncalled(server)}" if isinstance(server, type) else type(server).__name__
+        raise UsageError(f"{action} is served by {what}, not by {given}")
 
 
 def ask_for(answer: Answer, request: Data, service: str, on_end: Callable[[Data, str], object]) -> None:
@@ -21,16 +40,7 @@ def ask_for(answer: Answer, request: Data, service: str, on_end: Callable[[Data,
     Args:
         on_end: Called with the answer, and with why there is none; one of the two is empty.
     """
-    try:
-        data = answer(request)
-    except Exception as fault:
-        log.exception("%s failed", service)
-        on_end({}, _words(fault))
-        return
-    if isinstance(data, Future):
-        data.add_done_callback(partial(_end, on_end=on_end))
-    else:
-        on_end(data, "")
+    ask(answer, request, service).add_done_callback(partial(_end, service=service, on_end=on_end))
 
 
 def ask(answer: Answer, request: Data, service: str) -> Future[Data]:
@@ -51,14 +61,12 @@ def ask(answer: Answer, request: Data, service: str) -> Future[Data]:
     return done
 
 
-def _end(answered: Future[Data], on_end: Callable[[Data, str], object]) -> None:
+def _end(answered: Future[Any], service: str, on_end: Callable[[Data, str], object]) -> None:
     if answered.cancelled():
         on_end({}, "it gave the request up")
     elif (fault := answered.exception()) is not None:
-        on_end({}, _words(fault))
+        on_end({}, f"{type(fault).__name__}: {fault}")
+    elif not isinstance(data := answered.result(), Mapping):  # what a function without `return` gives
+        on_end({}, f"{service} has answered with {type(data).__name__}; return a dict of its fields, or {{}}")
     else:
-        on_end(answered.result(), "")
-
-
-def _words(fault: BaseException) -> str:
-    return f"{type(fault).__name__}: {fault}"
+        on_end(data, "")

@@ -286,6 +286,8 @@ def _reports_a_refused_cancel(connector: Connector, action_type: str, goal: Data
 def _refuses_a_second_offer(connector: Connector, action_type: str, *_: Any) -> None:
     close = connector.offer("/check/action", action_type, PatientServer())
     _is_refused(lambda: connector.offer("/check/action", action_type, PatientServer()))
+    no_server: Any = print
+    _is_refused(lambda: connector.offer("/check/other", action_type, no_server))
     close()
     connector.offer("/check/action", action_type, PatientServer())
 

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
-from rai_missions.connectors.answers import ask_for
+from rai_missions.connectors.answers import ask_for, check_action_server, check_answer
 from rai_missions.connectors.connector import ActionServer, Answer, Close, ConnectorMode, Data, Message, Reply, Report
 from rai_missions.connectors.local_goals import LocalGoal
 from rai_missions.connectors.stamps import ReadingDate, dated, stamp_of
@@ -172,6 +172,7 @@ class LocalConnector:
             goal.cancel()
 
     def serve(self, service: str, type_name: str, answer: Answer) -> Close:
+        check_answer(service, answer)
         with self._lock:
             if service in self._services:
                 raise UsageError(f"{service} is served already; close the first server before another")
@@ -180,6 +181,7 @@ class LocalConnector:
         return lambda: self._close_service(service, answer)
 
     def offer(self, action: str, type_name: str, server: ActionServer) -> Close:
+        check_action_server(action, server)
         with self._lock:
             if action in self._servers:
                 raise UsageError(f"{action} is served already; close the first server before another")

@@ -5,12 +5,15 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.connectors.connector import Connector, Message, Reply, Report
+from rai_missions.connectors.connector import Connector, Data, Message, Reply, Report
 from rai_missions.connectors.contract import PatientServer, check_connector
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import ConnectorError, UsageError
@@ -270,3 +273,47 @@ def test_the_calls_of_a_server_come_one_after_the_other_from_many_threads(connec
         thread.join()
     assert set(seen) == {1}
     assert len(reports) == 1600
+
+
+class Silent:
+    """No server of an action: it has no `cancel`."""
+
+    def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+        """Take it."""
+
+
+@pytest.mark.parametrize(("server", "given"), [
+    (print, "builtin_function_or_method"),
+    (None, "NoneType"),
+    (Silent(), "Silent"),
+    (PatientServer, "a class; write PatientServer(…)"),
+])  # fmt: skip
+def test_what_is_no_server_of_an_action_is_refused_where_it_is_offered(
+    connector: LocalConnector, server: Any, given: str
+) -> None:
+    with pytest.raises(UsageError) as refused:
+        connector.offer("/drive", "", server)
+    what = "an object with accept(goal_id, goal, report) and cancel(goal_id)"
+    assert str(refused.value) == f"/drive is served by {what}, not by {given}"
+    connector.offer("/drive", "", PatientServer())
+
+
+def test_what_is_no_function_serves_no_service(connector: LocalConnector) -> None:
+    answer: Any = {"success": True}
+    with pytest.raises(UsageError, match="/horn is served by a function of a request, not by dict"):
+        connector.serve("/horn", "", answer)
+
+
+@pytest.mark.parametrize("is_later", [False, True])
+@pytest.mark.parametrize(("answer", "kind"), [(None, "NoneType"), (True, "bool"), ("done", "str"), ([1], "list")])
+def test_a_service_that_answers_with_no_fields_has_failed(
+    connector: LocalConnector, answer: Any, kind: str, is_later: bool
+) -> None:
+    later, replies = Future[Any](), list[Reply]()
+    connector.serve("/horn", "", lambda request: later if is_later else answer)
+    connector.call("/horn", "", {}, on_reply=replies.append)
+    if is_later:
+        later.set_result(answer)
+    (reply,) = replies
+    assert (reply.outcome, reply.data) == ("failed", {})
+    assert reply.why == f"/horn has answered with {kind}; return a dict of its fields, or {{}}"

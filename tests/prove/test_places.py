@@ -100,7 +100,7 @@ def test_constants_that_lie_apart_are_near_one_at_a_time() -> None:
     ({"home": GIVEN, "shelf": GIVEN}, (near("home"), near("shelf"), near("shelf", "home"))),
     ({"home": GIVEN, "cup": POSE}, (near("home"), near("cup"))),
     ({"home": GIVEN, "shelf": GIVEN}, (near("home"), near("shelf"), {"key": "home.x", ">": 1})),
-    ({"home": GIVEN, "told": {**KEPT, "source": "answer"}}, (near("home"), near("told"))),
+    ({"home": GIVEN, "named": {**KEPT, "source": "answer"}}, (near("home"), near("named"))),
     (dict.fromkeys(("a", "b", "c", "d"), GIVEN), tuple(near(name) for name in ("a", "b", "c", "d"))),
 ])  # fmt: skip
 def test_what_these_places_do_not_represent_is_named(keys: Json, ways: tuple[Json, ...]) -> None:

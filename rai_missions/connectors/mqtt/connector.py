@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
-from rai_missions.connectors.answers import ask_for
+from rai_missions.connectors.answers import ask_for, check_answer
 from rai_missions.connectors.connector import ActionServer, Answer, Close, ConnectorMode, Data, Message, Reply, Report
 from rai_missions.connectors.mqtt.calls import PendingCalls
 from rai_missions.connectors.mqtt.codec import decode, encode
@@ -200,6 +200,7 @@ class MqttConnector:
     def serve(self, service: str, type_name: str, answer: Answer) -> Close:
         topic = f"{service}{REQUEST}"
         check_name(service)
+        check_answer(service, answer)
         self._check_open()
         with self._lock:
             if topic in self._services:
