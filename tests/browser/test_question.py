@@ -292,6 +292,21 @@ def test_every_part_of_the_page_is_reached_by_keys(asked: Run, look: Look) -> No
     assert asked.desk.orders == [], "no key orders anything"
 
 
+@pytest.mark.parametrize("holder", ["autonomy", "operator"])
+def test_the_bar_cuts_neither_the_mission_s_name_nor_the_state_of_the_connection(
+    holder: str, asked: Run, look: Look
+) -> None:
+    window = look(asked.page, viewport=SCREEN)
+    asked.send(holder, "control", after_s=0.1, by="operator", role="operator")
+    window.wait_for_selector(f"[data-control={holder}]")
+    window.wait_for_selector("[data-line=live]")
+    for width in (1280, 1366, 1440, 1600):
+        window.set_viewport_size({"width": width, "height": 720})
+        until(window, f"innerWidth === {width}")
+        cut = "['h1', '#line'].filter((each) => (({ scrollWidth, clientWidth }) => scrollWidth > clientWidth)("
+        assert window.evaluate(f"{cut}document.querySelector(each)))") == [], width
+
+
 def test_a_run_that_follows_asks_another_question_under_the_same_number(asked: Run, look: Look) -> None:
     asked.run_id, second = "first", Run(asked.mission)
     second.write("battery", 0.8)

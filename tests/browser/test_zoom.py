@@ -174,6 +174,15 @@ def test_the_nearer_the_more_is_drawn_and_no_label_is_crossed_or_covered(opened:
     assert window.evaluate(NAMES) == fitted
 
 
+@pytest.mark.parametrize("size", [(1440, 900), (1366, 768), (1280, 720)])
+def test_at_first_each_name_of_a_shipped_mission_is_whole(size: tuple[int, int], opened: Open) -> None:
+    for name in ("tractor/mission", "rosbot/mission", "rosbot/assist", "desk/arrange", "desk/stack"):
+        page = review(load(ROOT / f"missions/{name}.json"))
+        window = opened(page, viewport=dict(zip(("width", "height"), size, strict=True)))
+        assert [each for each in window.evaluate(WRITTEN) if "…" in each] == [], name
+        assert window.evaluate(NAMES)["least"] >= LEAST_PX, name
+
+
 def test_a_chart_that_was_fitted_is_fitted_again_when_its_window_is_resized(opened: Open) -> None:
     window = opened(review(tractor()), viewport=SCREEN)
     for width, height in ((1000, 640), (1600, 700)):

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from typing import NamedTuple, get_args
 
 from rai_missions.mission.mission import Mission
-from rai_missions.states import Final, Transition
+from rai_missions.states import Final, History, Transition
 from rai_missions.states.final import FinalOutcome
 from rai_missions.states.state import OUTCOMES
 from visualize.page.decision_sites import (
@@ -167,7 +167,8 @@ class _Reader:
         by_model = list(dict.fromkeys(site.state for site in sites if "agent" in site.asked.ask))
         if not by_model:
             return "No model is asked anything in this mission."
-        where = f"{len(by_model)} of {len(self.roads.states)} states"
+        entered = sum(not isinstance(state, History) for state in self.roads.states.values())
+        where = f"{len(by_model)} of {entered} states"
         return (
             f"A model is asked in {where}: {', '.join(by_model)}. It proposes an option there; the mission judges it."
         )

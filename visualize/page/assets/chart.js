@@ -40,14 +40,14 @@ class Chart {
     return found;
   }
 
-  /** As many open states as leave all names readable in the window; on a phone none. */
+  /** As many open states as leave all names whole and readable in the window; on a phone none. */
   openFirst() {
     for (const most of this.isNarrow() ? [0] : OPEN_AT_FIRST) {
       this.open = this.outermost(most);
       this.plans = this.planned();
       if (!this.open.size || this.plans.seen > LARGE) break;
       const plan = finished(this.plans.fitting(this.room()));
-      if (scaleOf(plan, this.room()) >= READABLE) break;
+      if (plan.level >= BROKEN_NAMES && scaleOf(plan, this.room()) >= READABLE) break;
     }
     this.draw((plans, room) => plans.fitting(room));
   }

@@ -16,6 +16,8 @@ const LEVELS = [
     close: 6, gutter: 18, edge: 6 },
   { word: "short names", signs: true, lines: 3, limit: 66, whole: 124, area: 2000, readable: LEAST_NAME / NAME,
     most: 1.6, row: 10, apart: 7, close: 5, gutter: 16, edge: 6 },
+  { word: "close names", signs: true, lines: 2, limit: 132, area: 2000, readable: LEAST_NAME / NAME, most: 1.6, row: 10,
+    apart: 7, close: 5, gutter: 16, edge: 6 },
   { word: "names", signs: true, lines: 2, limit: 132, area: 2200, readable: LEAST_NAME / NAME, most: 1.6, row: 13,
     apart: 16, close: 9, gutter: 30, edge: 10 },
   { word: "triggers", signs: true, triggers: true, limit: 210, area: 6000, readable: 0.9, most: 1.25, row: 15,
@@ -24,7 +26,7 @@ const LEVELS = [
     apart: 26, close: 14, gutter: 48, edge: 14 },
 ];
 const FINEST = LEVELS.length - 1, WHOLE_NAMES = LEVELS.findIndex(({ word }) => word === "names"),
-  BROKEN_NAMES = WHOLE_NAMES - 1, BOTH_WAYS = 150, NARROW = 600, FEW = 40;
+  BROKEN_NAMES = WHOLE_NAMES - 2, BOTH_WAYS = 150, NARROW = 600, FEW = 40;
 
 /** The ways to lay a chart out, each made once: at every level, downwards or to the right. */
 class Plans {
