@@ -232,8 +232,9 @@ class EffectExecutor:
         elif isinstance(effect, StartGoal):
             self._listener.continue_action(effect.action)
             known = effect.number in under.accepted or effect.number in under.canceled
-            if not self._goals.resume(effect, accepted=known):
-                self._doubt("action", effect.action, effect.number, "failed" if known else "rejected")
+            outcome = "failed" if known else "rejected"
+            doubt = partial(self._doubt, "action", effect.action, effect.number, outcome)
+            self._goals.resume(effect, accepted=known, on_doubt=doubt)
         elif isinstance(effect, CallService) and not self._may_repeat(effect):
             self._doubt("call", effect.service, effect.number, "failed")
         else:

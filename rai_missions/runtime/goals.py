@@ -10,6 +10,7 @@ import threading
 import uuid
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 from rai_missions.connectors.connector import ENDS, Connector, HostsActions, Reply, Report
@@ -92,34 +93,28 @@ class Goals:
         goal_id, report = self._sent(entry, effect)
         self._connector.send_goal(entry.action, entry.type, goal, goal_id=goal_id, on_report=report)
 
-    def resume(self, effect: StartGoal, *, accepted: bool) -> bool:
+    def resume(self, effect: StartGoal, *, accepted: bool, on_doubt: Callable[[], None]) -> None:
         """Continue with a goal that an earlier process was to send.
 
         Args:
             effect: Its start.
             accepted: Its server is known to have accepted it. That a connector took it proves nothing: it may
                 have been waiting for the server.
-
-        Returns:
-            Whether its fate is known or will be reported; where it cannot be, the robot was ordered to end it.
+            on_doubt: Called where its fate cannot be known, once the robot has answered the order to end it.
         """
         entry = self._entry(effect.action)
         if entry is None or self._connector is None:
             self.start(effect)
-            return True
-        if entry.action is not None and not isinstance(self._connector, HostsActions):
+        elif entry.action is not None and not isinstance(self._connector, HostsActions):
             self._find(entry, effect, accepted=accepted)
-            return True
-        if entry.action is None and accepted:
+        elif entry.action is None and accepted:
             self._composed[effect.action] = CancelGoal(effect.number, effect.action)
-            return True
-        if entry.repeat:
+        elif entry.repeat:
             self.start(effect)
-        elif entry.action is None and entry.cancel is not None:
-            self._connector.call(
-                entry.cancel.service, entry.cancel.type, entry.cancel.request_of({}), on_reply=lambda reply: None
-            )
-        return entry.repeat
+        elif entry.action is None:
+            self._end_unsure(entry, effect, lambda is_sure: on_doubt())
+        else:
+            on_doubt()
 
     def _find(self, entry: ActionEntry, effect: StartGoal, *, accepted: bool) -> None:
         """Ask its server; one never accepted, or that may be sent twice, is sent if the server knows nothing of it."""
@@ -231,24 +226,35 @@ class Goals:
             if outcome == "succeeded":
                 self._accepted(effect, {})
                 return
-            if reply.may_have_arrived:
-                self._on_event("lost", effect.action, effect.number, {"why": why})
-            self._end(effect.number, "rejected", {"why": why or outcome})
-            if reply.may_have_arrived:
-                self._end_lost(entry, effect)
+            if not reply.may_have_arrived:
+                self._end(effect.number, "rejected", {"why": why or outcome})
+                return
+            self._on_event("lost", effect.action, effect.number, {"why": why})
+            self._end_unsure(entry, effect, partial(ended, why or outcome))
+
+        def ended(why: str, is_sure: bool) -> None:
+            self._end(effect.number, "rejected", {"why": why})
+            if is_sure:
+                self._on_event("over", effect.action, effect.number, {"owner": effect.owner})
 
         self._connector.call(start.service, start.type, start.request_of(effect.goal), on_reply=answered)
 
-    def _end_lost(self, entry: ActionEntry, effect: StartGoal) -> None:
-        """End a composed action whose start may have arrived: nothing else would."""
+    def _end_unsure(self, entry: ActionEntry, effect: StartGoal, on_answer: Callable[[bool], object]) -> None:
+        """Order the end of a composed action whose start may have arrived: nothing else would end it.
 
-        def ended(outcome: str, why: str) -> None:
-            if outcome == "succeeded":
-                self._on_event("over", effect.action, effect.number, {"owner": effect.owner})
-
-        if entry.cancel is not None:
-            with suppress(Exception):  # a connector is not trusted to behave
-                self._call_cancel(entry.cancel, effect.number, ended)
+        Args:
+            entry: The action's.
+            effect: Its start.
+            on_answer: Called with whether it has ended, once the robot has answered: what begins before that answer
+                might be what the order ends.
+        """
+        if entry.cancel is None:
+            on_answer(False)
+            return
+        try:
+            self._call_cancel(entry.cancel, effect.number, lambda outcome, why: on_answer(outcome == "succeeded"))
+        except Exception:  # noqa: BLE001 - a connector is not trusted to behave
+            on_answer(False)
 
     def _accepted(self, effect: StartGoal, data: Mapping[str, Any]) -> None:
         """A server has taken a goal; once the run is over, there is no state that could cancel it."""

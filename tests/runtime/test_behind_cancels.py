@@ -85,3 +85,22 @@ def test_without_a_cancel_a_call_goes_at_once() -> None:
     goals, robot, _ = driving()
     goals.behind_cancels(lambda: robot.asked.append("/turn_back"))
     assert robot.asked == ["/drive", "/turn_back"]
+
+
+@pytest.mark.parametrize("reply", [DONE, Reply("failed", {}), Reply("unavailable", {})])
+def test_a_start_that_is_in_doubt_has_ended_once_the_robot_has_answered_its_end(reply: Reply) -> None:
+    """Else what the mission starts next reaches the robot before the order that ends this one."""
+    goals, robot, reported = driving()
+    goals.resume(StartGoal(2, "driving", "drive", {}), accepted=False, on_doubt=lambda: reported.append("uncertain"))
+    assert robot.asked[-1] == "/halt" and "uncertain" not in reported
+    robot.answered["/halt"](reply)
+    assert reported[-1] == "uncertain"
+
+
+def test_a_start_whose_server_vanished_has_ended_once_the_robot_has_answered_its_end() -> None:
+    goals, robot, reported = driving()
+    goals.start(StartGoal(2, "driving", "drive", {}))
+    robot.answered["/drive"](Reply("unavailable", {}, "it vanished", may_have_arrived=True))
+    assert robot.asked[-1] == "/halt" and reported == ["accepted", "drive"], "it may be under way"
+    robot.answered["/halt"](DONE)
+    assert reported == ["accepted", "drive", "rejected", "drive"]

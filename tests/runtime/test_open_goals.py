@@ -276,7 +276,7 @@ def test_a_composed_action_that_may_have_begun_is_ended_or_named(cancels: float 
     scene.play()
     named = [(goal.action, goal.reason) for goal in scene.result.open_goals]
     assert scene.connector.is_driving is (cancels is None)
-    assert set(named) == ({("drive", "lost")} if named else set())
+    assert set(named) == ({("drive", "lost" if cancels is not None else "orphaned")} if named else set())
     assert bool(named) or cancels == 0.0
 
 
