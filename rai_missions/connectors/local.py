@@ -152,7 +152,7 @@ class LocalConnector:
             found.deliver(on_report)
         else:
             why = f"the server of {action} knows nothing of the goal" if is_served else f"no server offers {action}"
-            on_report(Report(goal_id, "lost", {}, why))
+            on_report(Report(goal_id, "lost", {}, why, may_run=not is_served))
 
     def adopt_goal(self, action: str, goal_id: str) -> Callable[[Report], None]:
         """Take note of a goal that its server, which is offered here, has accepted; `find_goal` finds it.
@@ -225,8 +225,11 @@ class LocalConnector:
 
     def _forget(self, goal: LocalGoal) -> None:
         with self._lock:
-            if self._goals.get(goal.goal_id) is goal:
-                self._ended[goal.goal_id] = self._goals.pop(goal.goal_id)
+            if self._goals.get(goal.goal_id) is not goal:
+                return
+            del self._goals[goal.goal_id]
+            if goal.end is not None and goal.end.status != "rejected":  # of one that it did not take, a server forgets
+                self._ended[goal.goal_id] = goal
                 if len(self._ended) > MOST_ENDED:
                     del self._ended[next(iter(self._ended))]
 

@@ -40,6 +40,28 @@ def test_the_local_connector_keeps_the_contract() -> None:
     check_connector(LocalConnector)
 
 
+@pytest.mark.parametrize("served", [True, False])
+def test_a_goal_that_no_one_knows_runs_only_where_its_server_is_away(
+    connector: LocalConnector, *, served: bool
+) -> None:
+    reports = list[Report]()
+    if served:
+        connector.offer("/a", "", PatientServer())
+    connector.find_goal("/a", "", goal_id="g", on_report=reports.append)
+    assert [(each.status, each.may_run) for each in reports] == [("lost", not served)]
+
+
+def test_a_server_remembers_how_a_goal_ended_and_none_that_it_rejected(connector: LocalConnector) -> None:
+    server, _ = asked(connector)
+    server.send("g", "rejected")
+    reports = list[Report]()
+    connector.find_goal("/a", "", goal_id="g", on_report=reports.append)
+    connector.send_goal("/a", "", {}, goal_id="g", on_report=reports.append)
+    server.send("g", "succeeded")
+    connector.find_goal("/a", "", goal_id="g", on_report=reports.append)
+    assert [each.status for each in reports] == ["lost", "accepted", "succeeded", "succeeded"]
+
+
 def test_it_is_a_connector() -> None:
     assert isinstance(LocalConnector(), Connector)
     assert LocalConnector().modes == {"topics", "services", "actions"}
