@@ -238,7 +238,7 @@ class _Call(NamedTuple):
 
 def _facts(step: Step) -> tuple[Any, ...]:
     event = step.event
-    data = {name: value for name, value in event.data.items() if name not in WORDS}
+    data = {name: value for name, value in event.data.items() if name not in WORDS and event.name != "rejected"}
     moves = [(move.exited, move.entered) for move in step.moves]
     return (event.kind, event.name, event.number, data, moves, step.writes, step.outcome, step.ignored)
 

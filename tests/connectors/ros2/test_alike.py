@@ -72,7 +72,7 @@ def script(rng: random.Random, *, actions: bool) -> list[Act]:
         came += what in POSTED
         which = max(rng.randrange(max(came, 1)) for _ in range(2))
         data: dict[str, Any] = {}
-        if what in REPORTS[2:]:
+        if what in REPORTS[1:]:
             data = nested(rng)
         elif what in ("seen", "alarm"):
             data = typed(rng, BasicTypes)
