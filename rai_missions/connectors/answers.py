@@ -40,7 +40,16 @@ def ask_for(answer: Answer, request: Data, service: str, on_end: Callable[[Data,
     Args:
         on_end: Called with the answer, and with why there is none; one of the two is empty.
     """
-    ask(answer, request, service).add_done_callback(partial(_end, service=service, on_end=on_end))
+    try:
+        data: Any = answer(request)
+    except Exception as fault:
+        log.exception("%s failed", service)
+        on_end({}, _words(fault))
+        return
+    if isinstance(data, Future):
+        data.add_done_callback(partial(_end, service=service, on_end=on_end))
+    else:
+        _pass_on(data, service, on_end)
 
 
 def ask(answer: Answer, request: Data, service: str) -> Future[Data]:
@@ -65,8 +74,17 @@ def _end(answered: Future[Any], service: str, on_end: Callable[[Data, str], obje
     if answered.cancelled():
         on_end({}, "it gave the request up")
     elif (fault := answered.exception()) is not None:
-        on_end({}, f"{type(fault).__name__}: {fault}")
-    elif not isinstance(data := answered.result(), Mapping):  # what a function without `return` gives
-        on_end({}, f"{service} has answered with {type(data).__name__}; return a dict of its fields, or {{}}")
+        on_end({}, _words(fault))
     else:
+        _pass_on(answered.result(), service, on_end)
+
+
+def _pass_on(data: Any, service: str, on_end: Callable[[Data, str], object]) -> None:
+    if isinstance(data, Mapping):
         on_end(data, "")
+    else:  # what a function without `return` gives
+        on_end({}, f"{service} has answered with {type(data).__name__}; return a dict of its fields, or {{}}")
+
+
+def _words(fault: BaseException) -> str:
+    return f"{type(fault).__name__}: {fault}"
