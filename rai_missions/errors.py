@@ -16,6 +16,7 @@ from importlib import import_module
 from pathlib import Path
 from types import FrameType
 from typing import Any, NamedTuple
+from unicodedata import combining, normalize
 
 __all__ = (
     "ConnectorError",
@@ -33,12 +34,14 @@ __all__ = (
     "lazy_names",
     "make_folder_of",
     "meant",
+    "meant_file",
     "nearest",
     "pointer",
     "steps_of",
     "suggestion",
     "uncalled",
     "unescaped",
+    "without_marks",
 )
 
 
@@ -114,6 +117,25 @@ def suggestion(given: str, known: Iterable[str]) -> str:
         return f"; did you mean '{close}'?"
     shown = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
     return f"; there is: {shown}" if shown else ""
+
+
+def meant_file(path: str | os.PathLike[str], *endings: str) -> str:
+    """`; did you mean 'x.json'?` for a file that is not there, or what a folder has of its kind."""
+    folder, name = os.path.split(path)
+    is_folder = os.path.isdir(path)
+    try:
+        names = [each for each in os.listdir(path if is_folder else folder or ".") if each.endswith(endings)]
+    except (OSError, ValueError):  # no such folder, closed, or a name that no file can have
+        return ""
+    if is_folder:
+        return suggestion("", names)
+    close = nearest(name, names)
+    return f"; did you mean '{os.path.join(folder, close)}'?" if close else ""
+
+
+def without_marks(text: str) -> str:
+    """A text in small letters, without accents: ö is o and a mark."""
+    return "".join(each for each in normalize("NFKD", text.casefold()) if not combining(each))
 
 
 def uncalled(given: object) -> str:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import copy
 import pickle
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -15,7 +16,16 @@ from hypothesis import strategies as st
 from rai_missions import Chart, dump
 from rai_missions.agents import run
 from rai_missions.check import check
-from rai_missions.errors import ConnectorError, DefinitionError, Fault, MissionError, UsageError, nearest
+from rai_missions.errors import (
+    ConnectorError,
+    DefinitionError,
+    Fault,
+    MissionError,
+    UsageError,
+    meant_file,
+    nearest,
+    without_marks,
+)
 from rai_missions.profile import Robot, missing
 from rai_missions.prove import prove
 from visualize import difference, draw, show
@@ -63,3 +73,34 @@ TAKERS: dict[str, Callable[[Any], object]] = {
 def test_what_is_no_mission_is_refused_by_whatever_takes_one(taker: str, given: Any) -> None:
     with pytest.raises(UsageError, match=r" takes a Mission, not .*; load\(FILE\) makes one of a file"):
         TAKERS[taker](given)
+
+
+@pytest.mark.parametrize(("name", "endings", "meant"), [
+    ("misson.json", (".json",), "; did you mean '{}/mission.json'?"),
+    ("Mission.json", (".json",), "; did you mean '{}/mission.json'?"),
+    ("mission", (".json", ".py"), "; did you mean '{}/mission.json'?"),
+    ("robto.py", (".py",), "; did you mean '{}/robot.py'?"),
+    ("quite_other.json", (".json",), ""),
+    ("run.jornal", (".journal",), "; did you mean '{}/run.journal'?"),
+    ("no_folder/mission.json", (".json",), ""),
+    ("x" * 5000, (".json",), ""),
+    ("nul\0.json", (".json",), ""),
+])  # fmt: skip
+def test_a_file_that_is_not_there_is_answered_with_the_one_that_was_meant(
+    tmp_path: Path, name: str, endings: tuple[str, ...], meant: str
+) -> None:
+    for each in ("mission.json", "robot.py", "run.journal"):
+        (tmp_path / each).touch()
+    assert meant_file(tmp_path / name, *endings) == meant.format(tmp_path)
+
+
+def test_a_folder_is_answered_with_the_files_in_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for each in ("a.json", "b.py", "notes.txt"):
+        (tmp_path / each).touch()
+    assert meant_file(tmp_path, ".json", ".py") == "; there is: a.json, b.py"
+    monkeypatch.chdir(tmp_path)
+    assert meant_file("a.jsn", ".json") == "; did you mean 'a.json'?"
+
+
+def test_letters_with_marks_are_plain_ones() -> None:
+    assert without_marks("Größe ÉTÉ Łódź") == "grosse ete łodz"

@@ -70,6 +70,13 @@ def _of_world(file: CampaignFile) -> Iterator[Fault]:
     except UsageError as error:
         yield Fault("/scenes/world", f"{error}; a campaign gives each world the seed of its scene")
         return
+    if file.scenes.count is not None:
+        from rai_missions.campaign.scenes import GENERATORS  # loads the worlds
+
+        if world not in GENERATORS:
+            drawn = f"no scenes are drawn of the world {shown(world)}, but of: {', '.join(GENERATORS)}"
+            yield Fault("/scenes/count", f"{drawn}; write them under 'given', or name 'seeds'")
+            return
     yield from _of_labels(file)
 
 

@@ -19,7 +19,7 @@ from rai_missions.errors import UsageError
 from rai_missions.worlds.house.scene_cases import scene_options as house_scene
 from rai_missions.worlds.orchard.scene_cases import scene_options as orchard_scene
 
-__all__ = ("CampaignScene", "scene", "scenes", "split_of")
+__all__ = ("GENERATORS", "CampaignScene", "scene", "scenes", "split_of")
 
 Drawn = tuple[str, dict[str, Any], dict[str, Any]]
 GENERATORS: Mapping[str, Callable[[int], Drawn]] = {

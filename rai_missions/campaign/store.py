@@ -24,7 +24,7 @@ from rai_missions.campaign.records import (
     QuestionRecord,
     SceneRecord,
 )
-from rai_missions.errors import UsageError, irregular, make_folder_of
+from rai_missions.errors import UsageError, irregular, make_folder_of, meant_file
 
 __all__ = ("DroppedUse", "LostParts", "ResultStore")
 
@@ -102,7 +102,9 @@ class ResultStore:
         self.path, self._lock = Path(path), -1
         is_new = not self.path.exists()
         if is_new and not writes:
-            raise UsageError(f"no results at {self.path}: there is no such file")
+            raise UsageError(
+                f"no results at {self.path}: there is no such file{meant_file(self.path, self.path.suffix)}"
+            )
         if not is_new and (sort := irregular(self.path)):
             raise UsageError(f"no results at {self.path}: that is {sort}")
         if writes:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Container, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rai_missions.errors import DefinitionError, Fault, UsageError, irregular
+from rai_missions.errors import DefinitionError, Fault, UsageError, irregular, meant_file
 from rai_missions.mission.mission import Mission
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def load_guards(path: str | None, *, python: bool = True) -> dict[str, Callable[
     if Path(path).suffix != ".py":
         raise UsageError(f"'{path}' is not executed: guards are Python; name a .py file with guards")
     if not Path(path).is_file():
-        raise UsageError(f"there is no file '{path}' with guards")
+        raise UsageError(f"there is no file '{path}' with guards{meant_file(path, '.py')}")
     try:
         found = runpy.run_path(path)
     except (Exception, SystemExit) as error:  # a file that exits must not look like a run that succeeded

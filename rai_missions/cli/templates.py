@@ -13,9 +13,8 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
-from unicodedata import combining, normalize
 
-from rai_missions.errors import UsageError, make_folder_of, suggestion
+from rai_missions.errors import UsageError, make_folder_of, suggestion, without_marks
 
 __all__ = ("Template", "copy_template", "templates", "tutorial_folder")
 
@@ -116,8 +115,7 @@ def _check_name(directory: Path) -> None:
     name = directory.resolve().name
     if MISSION_NAME.fullmatch(name):
         return
-    plain = "".join(each for each in normalize("NFKD", name.casefold()) if not combining(each))  # ö is o and a mark
-    near = re.sub(r"[^a-z0-9]+", "_", plain).strip("_").lstrip("_0123456789")
+    near = re.sub(r"[^a-z0-9]+", "_", without_marks(name)).strip("_").lstrip("_0123456789")
     hint = f"; did you mean '{directory.parent / near}'?" if near else ""
     rule = "which is a name of lower case letters, digits and '_', a letter first"
     raise UsageError(f"the mission gets the folder's name, {rule}; '{name}' is none{hint}")

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from rai_missions.errors import UsageError, irregular, make_folder_of
+from rai_missions.errors import UsageError, irregular, make_folder_of, meant_file
 
 __all__ = ("FILES", "Lock", "file_id", "in_place_of", "may_open", "out_of_files", "writing_at")
 
@@ -94,7 +94,7 @@ class Lock:
 def in_place_of(path: Path) -> str:
     """What there is where a journal was expected."""
     sort = irregular(path)
-    return f"that is {sort}" if sort else "there is no such file"
+    return f"that is {sort}" if sort else f"there is no such file{meant_file(path, '.journal')}"
 
 
 def file_id(path: Path) -> tuple[int, int]:

@@ -55,7 +55,7 @@ def written_mission(path: str | os.PathLike[str], *, python: bool = True) -> Mis
         DefinitionError: The mission is at fault; every fault with its JSON pointer.
         UsageError: There is no such file, or it is of another kind.
     """
-    from rai_missions.errors import UsageError
+    from rai_missions.errors import UsageError, meant_file
     from rai_missions.given import given_path
     from rai_missions.mission.include import read_mission
     from rai_missions.mission.python_file import run_mission_file
@@ -69,7 +69,7 @@ def written_mission(path: str | os.PathLike[str], *, python: bool = True) -> Mis
         return run_mission_file(file)
     if str(path).lstrip().startswith("{"):
         raise UsageError("this is the text of a mission; load takes its file, Mission.model_validate_json the text")
-    raise UsageError(f"'{file}' is neither .json nor .py; a mission is one of them")
+    raise UsageError(f"'{file}' is neither .json nor .py; a mission is one of them{meant_file(file, '.json', '.py')}")
 
 
 def dump(mission: Mission, path: str | os.PathLike[str] | None = None) -> str:

@@ -17,7 +17,7 @@ from operator import itemgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rai_missions.errors import DefinitionError, Fault, UsageError, irregular, pointer
+from rai_missions.errors import DefinitionError, Fault, UsageError, irregular, meant_file, pointer
 from rai_missions.redaction import shown
 
 __all__ = ("MAX_BYTES", "MAX_DEPTH", "file_bytes", "parse_json", "read_json", "too_deep")
@@ -54,7 +54,7 @@ def file_bytes(path: Path) -> bytes:
         DefinitionError: It is too large.
     """
     if not os.path.exists(path):  # pathlib's raises on a name that is too long
-        raise UsageError(f"there is no file {shown(str(path), 200)}")
+        raise UsageError(f"there is no file {shown(str(path), 200)}{meant_file(path, path.suffix)}")
     if sort := irregular(path):
         raise UsageError(f"{shown(str(path), 200)} is {sort}; name a .json or .py file")
     try:

@@ -116,7 +116,8 @@ class MissionModel(Model):  # noqa: PLW1641 - pydantic gives a frozen model its 
         try:
             super().__init__(**words)
         except ValidationError as error:
-            known = list(inspect.signature(kind.__init__).parameters)[1:] if "__init__" in vars(kind) else ()
+            is_declared = kind.__init__ is not MissionModel.__init__
+            known = list(inspect.signature(kind.__init__).parameters)[1:] if is_declared else ()
             raise DefinitionError(faults_of(error, kind, words, known), _called(kind, given)) from None
 
     # Else pydantic takes what is inside another model through here too, and JSON could use Python's names.

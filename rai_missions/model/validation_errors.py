@@ -12,7 +12,7 @@ from typing import Annotated, Any, Protocol, Self, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from rai_missions.errors import DefinitionError, Fault, article, pointer, suggestion, uncalled
+from rai_missions.errors import DefinitionError, Fault, article, pointer, suggestion, uncalled, without_marks
 from rai_missions.redaction import shown
 
 __all__ = ("KEY", "faults_of", "model_at", "place_of", "refusals", "validated", "words_of")
@@ -302,8 +302,8 @@ BOUNDED: Mapping[str, Callable[[Any, Any], str]] = {
 
 def _misnamed(given: str, pattern: str) -> str:
     """Why a word is no name, and the nearest that is one."""
-    near = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", given)
-    near = re.sub(r"[^a-z0-9_./]+" if r"\." in pattern else r"[^a-z0-9_/]+", "_", near.lower())
+    near = without_marks(re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", given))
+    near = re.sub(r"[^a-z0-9_./]+" if r"\." in pattern else r"[^a-z0-9_/]+", "_", near)
     near = near.strip("_/.").lstrip("_/.0123456789")
     hint = f"; did you mean '{near}'?" if near and len(near) <= 60 and re.match(pattern, near) else ""
     if r"\." in pattern:

@@ -64,6 +64,8 @@ def faults(tmp_path: Path, words: dict[str, Any]) -> str:
     ({"labels": "trials", "scenes": {"world": "house", "seeds": [1]}},
      "/labels: nothing tries options in the world 'house', but in: orchard; have \"rollouts\""),
     ({"scenes": {"world": "orchard", "count": 10**9}}, "/scenes/count"),
+    ({"scenes": {"world": "desk", "count": 2}},
+     "/scenes/count: no scenes are drawn of the world 'desk', but of: orchard, house; write them under 'given', or"),
     ({"rates": {"opnai": {"calls_per_minute": 9}}, "models": ["openai:gpt"], "scripts": {}},
      "/rates/opnai: 'rates' is about 'opnai', of which 'models' has none; did you mean 'openai'?"),
     ({"models": ["rules"], "scripts": {}, "robot": "bare.json"},
@@ -150,7 +152,7 @@ def test_the_files_that_a_campaign_names_are_reported_together(tmp_path: Path) -
         load_campaign(path)
     assert str(raised.value).splitlines() == [
         f"{path}: /mission: there is no file '{tmp_path / 'nowhere.json'}'",
-        f"{path}: /robot: there is no file '{tmp_path / 'no_robot.json'}'",
+        f"{path}: /robot: there is no file '{tmp_path / 'no_robot.json'}'; did you mean '{tmp_path / 'robot.json'}'?",
     ]
     write(tmp_path / "odd.json", name="odd")
     write(tmp_path / "odd_robot.json", name="odd", topcs={})

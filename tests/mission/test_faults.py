@@ -72,6 +72,7 @@ TRANSITION, ENTRY = "/states/a/transitions/0", "/states/a/entry/0"
         ),
         ({"name": "x", "states": {"a": {}}}, "/: 'initial' is missing; a mission needs it"),
         (SMALL | {"format": 2}, "/format: no such choice: 2; it is 1"),
+        (SMALL | {"name": "Größe ÜBER"}, f"/name: 'Größe ÜBER' {NAME}; did you mean 'grosse_uber'?"),
         (SMALL | {"fromat": 1}, "/fromat: a mission has no 'fromat'; did you mean 'format'?"),
         (SMALL | {"name": "Small Mission"}, f"/name: 'Small Mission' {NAME}; did you mean 'small_mission'?"),
         (SMALL | {"name": 5}, "/name: 5 is not text; write a word in quotes"),
