@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
 from inspect import iscoroutinefunction
 from pathlib import Path
@@ -17,7 +17,7 @@ from rai_missions.errors import UsageError, uncalled
 from rai_missions.event import Event
 from rai_missions.redaction import shown
 
-__all__ = ("check_event", "check_given", "check_seconds", "given_names", "given_path")
+__all__ = ("check_event", "check_function", "check_given", "check_seconds", "given_names", "given_path")
 
 
 def check_given(given: object, kinds: type | tuple[type, ...], taker: str, wanted: str, remedy: str = "") -> None:
@@ -47,6 +47,15 @@ def check_given(given: object, kinds: type | tuple[type, ...], taker: str, wante
         raise UsageError(
             f"{taker} takes {wanted} whose calls are not awaited: write `def`, not `async def`, for {where}"
         )
+
+
+def check_function(given: object, taker: str, wanted: str, remedy: str = "") -> None:
+    """Refuse what cannot be called; see `check_given`.
+
+    Raises:
+        UsageError: It cannot.
+    """
+    check_given(given, Callable, taker, wanted, remedy)  # type: ignore[arg-type]
 
 
 def _is_of(given: object, kinds: tuple[type, ...]) -> bool:

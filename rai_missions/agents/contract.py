@@ -6,9 +6,10 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 
-from rai_missions.agents.agent import Agent, AgentHealth, HasConnectors, reports_health
+from rai_missions.agents.agent import Agent, AgentHealth, HasConnectors, reports_health, why_no_agent
 from rai_missions.answerers.contract import at_once
 from rai_missions.connectors.connector import Connector
+from rai_missions.given import check_function
 
 __all__ = ("check_agent",)
 
@@ -28,9 +29,12 @@ def check_agent(make: Callable[[], Agent], *, within_s: float = 5.0) -> None:
 
     Raises:
         AssertionError: A promise is broken; the text names it.
+        UsageError: An agent was given, not what makes one.
     """
+    check_function(make, "check_agent", "what makes an agent", "give its class, or a function")
     before = set(threading.enumerate())
     agent = make()
+    assert not (why := why_no_agent(agent)), why
     connectors = agent.connectors.values() if isinstance(agent, HasConnectors) else ()
     assert all(isinstance(each, Connector) for each in connectors), "what an agent names as a connector is one"
     opened = [each for each in connectors if each.running]

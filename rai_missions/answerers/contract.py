@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.engine.decision import Answerer, Evidence, Limits, Offer, Question
+from rai_missions.given import check_function, check_given
 from rai_missions.redaction import cut_repr
 
 __all__ = ("QUESTION", "ReplyCollector", "answer_fault", "at_once", "check_answerer")
@@ -100,7 +101,9 @@ def check_answerer(make: Callable[[], Answerer], question: Question = QUESTION, 
     Raises:
         AssertionError: A promise is broken; the text names it.
     """
+    check_function(make, "check_answerer", "what makes an answerer", "give its class, or a function")
     answerer = make()
+    check_given(answerer, Answerer, "check_answerer", "what makes an answerer")
     first, second = ReplyCollector(), ReplyCollector()
     at_once("withdraw", lambda: answerer.withdraw(question.number))
     at_once("ask", lambda: answerer.ask(question, first))

@@ -8,8 +8,8 @@ from concurrent.futures import Future
 from functools import partial
 from typing import Any
 
-from rai_missions.connectors.connector import Answer, Data
-from rai_missions.errors import UsageError, uncalled
+from rai_missions.connectors.connector import ActionServer, Answer, Data
+from rai_missions.given import check_function, check_given
 from rai_missions.redaction import logger
 
 __all__ = ("ask", "ask_for", "check_action_server", "check_answer")
@@ -17,21 +17,15 @@ __all__ = ("ask", "ask_for", "check_action_server", "check_answer")
 log = logger(__name__)
 
 
-def check_answer(service: str, answer: object) -> None:
+def check_answer(answer: object, service: str) -> None:
     """Raise a `UsageError` for what cannot answer a request."""
-    if not callable(answer):
-        raise UsageError(f"{service} is served by a function of a request, not by {type(answer).__name__}")
+    check_function(answer, f"the service {service}", "a function of a request")
 
 
-def check_action_server(action: str, server: object) -> None:
+def check_action_server(server: object, action: str) -> None:
     """Raise a `UsageError` for what is no `ActionServer`."""
-    is_one = not isinstance(server, type) and all(
-        callable(getattr(server, name, None)) for name in ("accept", "cancel")
-    )
-    if not is_one:
-        what = "an object with accept(goal_id, goal, report) and cancel(goal_id)"
-        given = f"a class{uncalled(server)}" if isinstance(server, type) else type(server).__name__
-        raise UsageError(f"{action} is served by {what}, not by {given}")
+    wanted = "an object with accept(goal_id, goal, report) and cancel(goal_id)"
+    check_given(server, ActionServer, f"the action {action}", wanted)
 
 
 def ask_for(answer: Answer, request: Data, service: str, on_end: Callable[[Data, str], object]) -> None:

@@ -14,6 +14,7 @@ from typing import Any, Generic, TypeVar, get_args
 
 from rai_missions.connectors.connector import ENDS, Connector, ConnectorMode, Data, Message, Reply, Report
 from rai_missions.errors import UsageError
+from rai_missions.given import check_function
 
 __all__ = ("Inbox", "PatientServer", "check_connector")
 
@@ -80,6 +81,7 @@ def check_connector(
     Raises:
         AssertionError: A promise is broken; the text states which.
     """
+    check_function(make, "check_connector", "what makes a connector", "give its class, or a function")
     checks = {"topics": TOPICS, "services": SERVICES, "actions": ACTIONS}
     for mode in sorted(make().modes):
         for check in checks[mode]:

@@ -172,7 +172,7 @@ class LocalConnector:
             goal.cancel()
 
     def serve(self, service: str, type_name: str, answer: Answer) -> Close:
-        check_answer(service, answer)
+        check_answer(answer, service)
         with self._lock:
             if service in self._services:
                 raise UsageError(f"{service} is served already; close the first server before another")
@@ -181,7 +181,7 @@ class LocalConnector:
         return lambda: self._close_service(service, answer)
 
     def offer(self, action: str, type_name: str, server: ActionServer) -> Close:
-        check_action_server(action, server)
+        check_action_server(server, action)
         with self._lock:
             if action in self._servers:
                 raise UsageError(f"{action} is served already; close the first server before another")

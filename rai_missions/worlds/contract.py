@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 from rai_missions.connectors.connector import Message
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
+from rai_missions.given import check_function
 from rai_missions.worlds.world import World
 
 __all__ = ("check_world",)
@@ -25,6 +26,7 @@ def check_world(make: Callable[[], World], topics: Iterable[str], *, steps: int 
         AssertionError: A promise is broken; the text states which.
         UsageError: The topics are no list of them, or there are none: nothing would be compared.
     """
+    check_function(make, "check_world", "what makes a world", "give its class, or a function")
     if isinstance(topics, str):
         raise UsageError(f"the topics of a world are a list, [{topics!r}], not one text")
     names = tuple(topics)

@@ -42,7 +42,8 @@ from rai_missions.profile import terms as facts_of
 from rai_missions.prove import prove
 from rai_missions.replay.replay import replay
 from rai_missions.states import State
-from rai_missions.testing import check_activity, check_guard, check_voice, check_world
+from rai_missions.testing import check_activity, check_agent, check_answerer, check_guard, check_voice, check_world
+from rai_missions.testing import check_connector as check_connector_contract
 from rai_missions.voice.kind import known
 from rai_missions.worlds import open_world
 from visualize import FORMATS, difference, draw, drawn, picture
@@ -326,6 +327,35 @@ def test_what_is_none_of_a_kind_is_held_to_no_contract(given: Any) -> None:
     for contract, sort in ((check_guard, "guard"), (check_activity, "activity")):
         with pytest.raises(UsageError, match=f"to its contract is held one {sort}, made by its class, and not "):
             contract(given, {}, [])
+
+
+class Louder(Guard, word="louder"):
+    """A guard as a package's author writes it, without a constructor of its own."""
+
+    louder: Path_
+    than: float
+
+
+def test_a_wrong_word_in_python_of_a_kind_without_a_constructor_names_the_nearest_field() -> None:
+    make: Any = Louder
+    with pytest.raises(DefinitionError, match=r"/then: a guard with 'louder' has no 'then'; did you mean 'than'\?"):
+        make(louder="noise", then=3.0)
+
+
+@pytest.mark.parametrize(("contract", "kind"), [
+    (check_agent, "an agent"), (check_answerer, "an answerer"), (check_connector_contract, "a connector"),
+    (lambda given: check_world(given, ["/x"]), "a world"),
+])  # fmt: skip
+def test_a_contract_that_makes_its_own_is_given_no_made_one(contract: Callable[[Any], None], kind: str) -> None:
+    with pytest.raises(UsageError, match=rf" takes what makes {kind}, not .*; give its class, or a function$"):
+        contract(object())
+
+
+def test_what_a_contract_makes_has_the_methods_of_its_kind() -> None:
+    with pytest.raises(AssertionError, match=r"object has no 'run'; an agent has run\(\) and stop\(\)"):
+        check_agent(object)  # type: ignore[arg-type]
+    with pytest.raises(UsageError, match="check_answerer takes what makes an answerer, not "):
+        check_answerer(object)  # type: ignore[arg-type]
 
 
 def test_a_contract_that_is_given_nothing_to_look_at_is_not_kept() -> None:

@@ -200,7 +200,7 @@ class MqttConnector:
     def serve(self, service: str, type_name: str, answer: Answer) -> Close:
         topic = f"{service}{REQUEST}"
         check_name(service)
-        check_answer(service, answer)
+        check_answer(answer, service)
         self._check_open()
         with self._lock:
             if topic in self._services:

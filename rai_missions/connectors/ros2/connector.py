@@ -227,7 +227,7 @@ class Ros2Connector:
         ROS has no word for a server that fails: where a response has `success` and `message` (std_srvs), these state
         why; other clients are left to their timeout.
         """
-        check_answer(service, answer)
+        check_answer(answer, service)
         return self._opened().serve(service, self._type("services", service, type_name), answer)
 
     def offer(self, action: str, type_name: str, server: ActionServer) -> Close:
@@ -235,7 +235,7 @@ class Ros2Connector:
 
         ROS has no word for why a goal is rejected, and none for a cancel that is refused after it was taken.
         """
-        check_action_server(action, server)
+        check_action_server(server, action)
         return self._opened().offer(action, self._type("actions", action, type_name), server)
 
     def _opened(self) -> Session:
