@@ -2,10 +2,10 @@
 """What is to be recorded and waits, bounded by kind, in pieces and in bytes.
 
 Rule: what has no room is not kept, and is counted by the name under which it came.
-Rule: an item is a tuple of numbers and one value. In a flood the garbage collector looks at all that waits, and at no
-tuple of numbers and bytes more than once.
-Rule: one thread takes. Any thread puts, and waits for no other: `deque` is safe for that, and no count is kept of what
-a deque counts.
+Rule: what waits of an item is its numbers and its value, one after the other in a `deque`. In a flood a tuple for each
+would be what the garbage collector looks at.
+Rule: one thread takes. Any thread puts, and waits for no other: `deque` is safe for that, `extend` from a tuple
+included, and no count is kept of what a deque counts.
 """
 
 from __future__ import annotations
@@ -43,12 +43,17 @@ QueuedItem = tuple[int, int, int, float, str, Any]
 nanoseconds; when it was so, in seconds on the run's clock; the name under which it is counted; the value."""
 
 
+FIELDS = 6
+"""Of an item."""
+
+
 class _Lane:
     """What waits of one kind, in its order."""
 
     def __init__(self, kind: Kind) -> None:
-        self.items: deque[QueuedItem] = deque()
-        self.most, self._most_bytes = MOST[kind], MOST_BYTES[kind]
+        self.fields: deque[Any] = deque()
+        """Those of the first item, then those of the next one."""
+        self.most, self._most_bytes = FIELDS * MOST[kind], MOST_BYTES[kind]
         self._lock = threading.RLock()  # a signal may come on the thread that is putting
         self._bytes = 0
 
@@ -60,20 +65,21 @@ class _Lane:
             return has_room
 
     def take(self) -> QueuedItem:
-        item = self.items.popleft()
+        pop = self.fields.popleft
+        item: QueuedItem = (pop(), pop(), pop(), pop(), pop(), pop())
         if item[1]:
             self.reserve(-item[1])
         return item
 
     def clear(self) -> None:
         with self._lock:
-            self.items.clear()
+            self.fields = deque()  # the thread that takes may be in the middle of an item
             self._bytes = 0
 
     @property
     def came_at(self) -> int:
         """When the first of its items came."""
-        return self.items[0][2]
+        return cast("int", self.fields[2])
 
 
 class RecordingQueue:
@@ -96,16 +102,16 @@ class RecordingQueue:
     @property
     def waiting(self) -> int:
         """How many items wait."""
-        return sum(len(lane.items) for lane in self._lanes)
+        return sum(len(lane.fields) for lane in self._lanes) // FIELDS
 
     def put(self, item: QueuedItem) -> bool:
         """Have an item wait, if there is room for it; whether someone must be woken to take it."""
         lane = self._of_route[item[0]]
-        if len(lane.items) >= lane.most or (item[1] and not lane.reserve(item[1])):
+        if len(lane.fields) >= lane.most or (item[1] and not lane.reserve(item[1])):
             with self._lock:
                 self.dropped[item[4]] += 1
             return False
-        lane.items.append(item)
+        lane.fields.extend(item)
         if self._is_asleep:  # looked at only now: the thread that falls asleep looks again at what waits
             self._is_asleep = False
             return True
@@ -123,7 +129,7 @@ class RecordingQueue:
         return lane.take()
 
     def _next(self) -> _Lane | None:
-        filled = [lane for lane in self._lanes if lane.items]
+        filled = [lane for lane in self._lanes if lane.fields]
         return min(filled, key=lambda lane: lane.came_at) if len(filled) > 1 else filled[0] if filled else None
 
     def clear(self) -> None:
@@ -134,7 +140,7 @@ class RecordingQueue:
     @property
     def is_filling(self) -> bool:
         """There is little room left: half of what may wait does. A picture takes its time, and counts for nothing."""
-        return any(2 * len(lane.items) >= lane.most for lane in self._filling)
+        return any(2 * len(lane.fields) >= lane.most for lane in self._filling)
 
 
 def packed(given: tuple[Any, ...]) -> Any:
