@@ -318,6 +318,10 @@ class EffectExecutor:
 
     # -- questions and control ------------------------------------------------------------------------------------
 
+    def can_ask(self, answerer: str) -> bool:
+        """Whether there is one of that name."""
+        return answerer in self._answerers
+
     def _ask(self, effect: Ask) -> None:
         question = effect.question
         answerer = self._answerers.get(question.asked)

@@ -67,6 +67,10 @@ class RunView(ChartView):
         """What is known of the readings of a robot key's source."""
         return self._executor.source(key)
 
+    def can_ask(self, answerer: str) -> bool:
+        """Whether there is one of that name: a question to one who is absent is open for the length of a step."""
+        return self._executor.can_ask(answerer)
+
     def refuses_control(self, to: str, role: Origin) -> str:
         """Why a handover may not be asked for in a role; empty if it may."""
         return self._control.refuses(to, role)

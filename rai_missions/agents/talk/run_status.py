@@ -162,7 +162,8 @@ class RunStatus:
         """The run as of its last step, at the time that it is now."""
         reported, now, mission = self._reported, self._runner.view.now(), self._mission
         status, board = reported.status, reported.board
-        questions = tuple(each for each in reported.questions if each.asked == "operator")
+        can_ask = self._runner.view.can_ask("operator")
+        questions = tuple(each for each in reported.questions if can_ask and each.asked == "operator")
         active = status.active
         state = _named(active, self._acting)
         return StatusView(

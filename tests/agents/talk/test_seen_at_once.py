@@ -13,7 +13,7 @@ import pytest
 from rai_missions.agents.talk.run_status import RunStatus
 from rai_missions.conversation import StatusView
 from rai_missions.engine.step import Step
-from tests.rigs.runs import ManualServer, Rig, mission
+from tests.rigs.runs import ManualServer, ReplyingAnswerer, Rig, mission
 
 pytestmark = pytest.mark.usefixtures("changes_threads_often")
 READERS = 3
@@ -115,3 +115,24 @@ def test_what_a_reader_sees_of_a_run_is_how_it_was_after_one_step(seed: int) -> 
     run = Watched(seed)
     run.run()
     assert len(run.read) > 1 and torn(run) == []
+
+
+@pytest.mark.parametrize("is_there", [False, True])
+def test_a_question_is_the_operator_s_where_there_is_one(is_there: bool) -> None:
+    asked = {"question": "Which way?", "options": {"on": {"about": "drive on"}}, "ask": ["operator", "rules"],
+             "within_s": 1.0}  # fmt: skip
+    states = {
+        "asking": {"decision": asked, "transitions": [{"on": "on", "to": "over"}, {"after_s": 9, "to": "over"}]},
+        "over": {"final": "aborted"},
+    }
+    seen = list[tuple[str, ...]]()
+
+    def look(step: Step) -> None:
+        status.step(step)
+        seen.append(tuple(each.text for each in status.view().questions))
+
+    answerers = {"rules": ReplyingAnswerer("on")} | ({"operator": ReplyingAnswerer(lambda _: None)} if is_there else {})
+    rig = Rig(mission(states), answerers=answerers, on_step=look)
+    status = RunStatus(rig.runner)
+    rig.run()
+    assert (("Which way?",) in seen) == is_there and () in seen
