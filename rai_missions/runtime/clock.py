@@ -42,13 +42,13 @@ class Clock(Protocol):
 
 
 class WallClock:
-    """Real time, as `time.monotonic` counts it."""
+    """Real time, that in which the machine is suspended included; a new time of day does not move it."""
 
     def __init__(self) -> None:
-        self._start = time.monotonic()
+        self._start = time.clock_gettime(time.CLOCK_BOOTTIME)
 
     def now(self) -> float:
-        return time.monotonic() - self._start
+        return time.clock_gettime(time.CLOCK_BOOTTIME) - self._start
 
     def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
         mailbox.wait(None if until == math.inf else max(0.0, until - self.now()))
