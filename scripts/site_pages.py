@@ -66,7 +66,7 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
     waiting = [(_source(file.src_uri), file.content_string) for file in files.documentation_pages()]
     while waiting:
         source, text = waiting.pop()
-        for target in _targets(text, source):
+        for target in targets(text, source):
             place = _place(target)
             if place.startswith(COPIES) and (ROOT / target).is_file() and files.get_file_from_path(place) is None:
                 content = (ROOT / target).read_bytes()
@@ -110,7 +110,7 @@ def _place(source: str) -> str:
     return source.removeprefix("docs/") if source.startswith("docs/") else f"{COPIES}/{source}"
 
 
-def _targets(text: str, source: str) -> Iterator[str]:
+def targets(text: str, source: str) -> Iterator[str]:
     for found in PARTS.finditer(text):
         if found["path"]:
             yield _resolved(found["path"], source)

@@ -44,6 +44,15 @@ def test_no_file_takes_the_place_of_a_page() -> None:
     assert [path for path in sorted(pages) if path.exists()] == []
 
 
+def test_a_folder_of_documents_that_a_page_leads_to_has_a_first_page(pages: Any) -> None:
+    sources = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]
+    leads = {
+        target for path in sources for target in pages.targets(path.read_text("utf-8"), str(path.relative_to(ROOT)))
+    }
+    folders = {lead for lead in leads if lead.startswith("docs/") and (ROOT / lead).is_dir()} - {"docs/decisions"}
+    assert [lead for lead in sorted(folders) if not (ROOT / lead / "README.md").is_file()] == []
+
+
 @pytest.mark.drill
 def test_the_site_is_built_without_a_warning_and_fetches_nothing(pages: Any, tmp_path: Path) -> None:
     command = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--strict", "--site-dir", str(tmp_path / "site")]
