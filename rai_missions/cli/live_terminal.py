@@ -19,6 +19,7 @@ from rich.text import Text
 from rai_missions.cli.progress import Lines, Person, Tone, trimmed
 from rai_missions.engine.activities.goal_ledger import may_move
 from rai_missions.engine.decision import Answerer, Question
+from rai_missions.engine.modes import Mode
 from rai_missions.engine.step import Ask, Step
 from rai_missions.mission.mission import Mission
 from rai_missions.runtime.lifecycle import Status
@@ -28,6 +29,10 @@ __all__ = ("Screen",)
 
 STYLES: Mapping[Tone, str] = {
     "plain": "", "question": "cyan", "refused": "bold yellow", "remark": "yellow", "ignored": "dim",
+    "succeeded": "bold green", "failed": "bold red", "aborted": "bold red", "canceled": "bold yellow",
+}  # fmt: skip
+MODE_STYLES: Mapping[Mode, str] = {
+    "ready": "bold green", "running": "bold green", "paused": "bold yellow", "canceling": "bold yellow",
     "succeeded": "bold green", "failed": "bold red", "aborted": "bold red", "canceled": "bold yellow",
 }  # fmt: skip
 MOST_HELD = 200
@@ -127,7 +132,8 @@ class Screen(Lines):
         view, status = self._view, self._status
         assert view is not None
         head = Text(f"{at:9.2f} s  ", style="bold")
-        head.append(f"{status.mode if status else ''}  ", style="bold green")
+        if status is not None:
+            head.append(f"{status.mode}  ", style=MODE_STYLES[status.mode])
         head.append(" › ".join(name for _, name, _ in self._mission.walk() if name in view.active), style="bold")
         head.append(f"   control: {status.control if status else ''}", style="dim")
         if status is not None and status.waits:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 from rich.console import Console
@@ -14,9 +14,11 @@ from rai_missions.cli.live_terminal import MOST_HELD, Screen
 from rai_missions.cli.progress import Lines
 from rai_missions.engine import Chart
 from rai_missions.engine.decision import Question
+from rai_missions.engine.modes import Mode
 from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
+from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.result import Result
 from tests.rigs.runs import by_hand
 
@@ -179,6 +181,22 @@ def test_while_a_person_is_asked_lines_of_steps_wait_for_the_answer(is_there: bo
     printed = out.getvalue()
     assert printed.index("lit → dark") < printed.index("dark → lit") < printed.index("asking → over")
     screen.close()
+
+
+@pytest.mark.parametrize("mode", get_args(Mode))
+def test_the_mode_in_the_foot_has_the_colour_of_its_line(mode: Mode, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    monkeypatch.setenv("TERM", "xterm-256color")
+    out, chart = io.StringIO(), Chart(MISSION)
+    screen = Screen(MISSION, out)
+    screen.watch(by_hand(chart).view)
+    screen.status(Status(1, mode, "autonomy", ()))
+    screen.step(chart.start(0.0))
+    screen.close()
+    good, bad, other = "1;32", "1;31", "1;33"
+    colour = {"ready": good, "running": good, "succeeded": good, "failed": bad, "aborted": bad}.get(mode, other)
+    assert f"\x1b[{colour}m{mode}  " in out.getvalue()
 
 
 def test_of_many_lines_that_waited_for_a_person_the_last_are_printed_and_the_others_counted() -> None:
