@@ -44,6 +44,15 @@ def test_nothing_of_a_store_runs_and_its_words_are_text(window: Any) -> None:
     assert window.locator("#report img:not([src^='data:image/png;base64,'])").count() == 0
 
 
+def test_the_first_figures_are_on_the_first_screen_of_a_phone(page: bytes, opened: Open) -> None:
+    window = opened(page, **PHONE)
+    first = window.evaluate("document.querySelector('#accuracy svg').getBoundingClientRect().bottom")
+    assert first < PHONE["viewport"]["height"]
+    assert "Wilson" not in window.inner_text("#overview")
+    window.click("#overview summary")
+    assert "Wilson" in window.inner_text("#overview")
+
+
 def test_filters_leave_what_they_name_and_the_count_follows(window: Any) -> None:
     whole = window.inner_text("#found")
     window.select_option("#filter-model", f"={HOSTILE[0]}")
@@ -105,6 +114,7 @@ def test_the_report_is_accessible_and_fits_its_window(opened: Open, page: bytes,
 
 def test_what_words_mean_has_the_width_of_a_phone(opened: Open, page: bytes) -> None:
     window = opened(page, **PHONE)
+    window.click("#overview summary")
     widths = [each.bounding_box()["width"] for each in window.query_selector_all("dl.words dd") if each.is_visible()]
     assert widths and min(widths) > 300
 

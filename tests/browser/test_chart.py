@@ -232,6 +232,7 @@ def test_it_prints_without_its_tools_on_white(opened: Open) -> None:
     assert not window.is_visible("#lenses")
     assert window.is_visible("[data-state=assessing]")
     assert window.evaluate("getComputedStyle(document.querySelector('#chart')).backgroundColor") == "rgb(255, 255, 255)"
+    assert window.is_visible("#legend"), "paper has no tooltips"
     assert window.pdf().startswith(b"%PDF")
 
 

@@ -105,9 +105,13 @@ def _overview(figures: CampaignFigures) -> Markup:
         {"id": "overview"},
         node("h2", None, "What was asked"),
         node("dl", {"class": "counts"}, shown),
-        node("p", {"class": "muted"}, SOURCES),
-        node("h3", None, "What the words mean"),
-        node("dl", {"class": "words"}, list(_words(figures))),
+        node(
+            "details",
+            None,
+            node("summary", None, "What the words mean, and how the intervals are made"),
+            node("dl", {"class": "words"}, list(_words(figures))),
+            node("p", {"class": "muted"}, SOURCES),
+        ),
     )
 
 
