@@ -43,7 +43,7 @@ def layout_program() -> Path:
             return Path(found)
     raise UsageError(
         "SVG and PNG are laid out by Graphviz, and neither `dot` nor `graphviz-pure` is here; install your system's"
-        f" graphviz, or: {install_command('draw')}; .dot, .mmd and .md need neither"
+        f" graphviz, or: {install_command('draw')}; .html, .dot, .mmd and .md need neither"
     )
 
 

@@ -119,6 +119,11 @@ def faults_at_work(file: CampaignFile, subject: CampaignSubject) -> Iterator[Fau
 
 def _of_scenes(file: CampaignFile) -> Iterator[Fault]:
     scenes = file.scenes
+    try:
+        load_world(scenes.world)
+    except UsageError as error:
+        yield Fault("/scenes/world", str(error))
+        return
     built: list[tuple[str, Mapping[str, Any]]] = [
         (f"/scenes/given/{number}/options", {"seed": each.seed, **each.options})
         for number, each in enumerate(scenes.given)

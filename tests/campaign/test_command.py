@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -77,6 +78,17 @@ def test_a_world_that_lacks_its_package_is_refused_and_no_cell_fails(
     assert refusal in capsys.readouterr().err
     with ResultStore(store) as opened:
         assert list(opened.cells()) == []
+
+
+def test_a_world_that_lacks_its_package_is_found_by_the_check(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = write_campaign(tmp_path, campaign_data())
+    for name in [name for name in sys.modules if name.startswith("rai_missions.worlds.orchard")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    assert main(["campaign", "check", str(path)]) == 2
+    assert f"{path}: /scenes/world: the world 'orchard' needs the package 'mujoco'" in capsys.readouterr().err
 
 
 def test_the_schema_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
