@@ -267,6 +267,9 @@ def test_a_request_that_was_given_up_is_not_served(
 
     asked, caller = Inbox[Any](), mqtt.Client(mqtt.CallbackAPIVersion.VERSION2, protocol=mqtt.MQTTv5)
     connector.serve("/horn", TRIGGER, lambda request: asked(request["by"]) or {})
+    connector.subscribe("/later", "", is_served := Inbox[Message]())
+    connector.publish("/later", "", {})
+    is_served.wait(bool, "the broker has what was sent before")
     caller.connect("127.0.0.1", broker.port)
     caller.loop_start()
     for expires_at in (f"{time.time() - 5}", "soon", f"{time.time() + 500}"):
