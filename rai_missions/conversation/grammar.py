@@ -28,6 +28,10 @@ MOST_PARTS = 6
 """Sentences of an utterance that are read; of more, only a stop at its beginning or end counts."""
 LONGEST_WARNING = 7
 """Words of the longest warning that has its danger in the same clause, and of the longest stop with other words."""
+LONGEST_ALARM = 10
+"""Words of the longest clause that cries of harm."""
+LEAST_REFUSALS = 3
+"""How often a no is cried with which a person refuses what the robot does."""
 LETTERS = re.compile(r"[^\W\d_]+")
 DRAWN_OUT = re.compile(r"([^\W\d_]{1,9}?)\1{2,}")
 """What is written as often as it is cried, thrice at least: a letter of `stooop`, the word of `stopstopstop`."""
@@ -70,16 +74,17 @@ class Grammar:
         is_open = _is_open(whole)
         corrected = self._corrected_within(words, view) if is_open else ()
         is_list = is_open or all(sense.kind == "order" and sense.name in self.language.orders for sense in whole)
-        several = corrected or (self._lists.senses(text, view, whole) if is_list else ())
+        is_admiring = self.language.warnings["admiring"].fits(words)
+        several = corrected or (self._lists.senses(text, view, whole) if is_list and not is_admiring else ())
         if several and not is_open:
             return several
         parts = self.language.normaliser.parts(text) if is_open and not several else []
         edges = self._edges(text, view) if is_open else []
         is_stop = any(sense.is_stop for sense in several)
-        is_urgent = is_open and not is_stop
+        is_urgent = is_open and not is_stop and not is_admiring
         if is_urgent and (self._is_cried(text, words, edges, view) or self._is_stop_passed_on(words, view)):
             return (STOP,)
-        if is_urgent and is_typed and self._begins_with_stop(text, edges, view):
+        if is_urgent and is_typed and self._is_alarmed(text, words, edges, view):
             return (STOP,)
         if len(parts) < 2:
             clauses = self.language.normaliser.remarks(text) if any(each.thing for each in whole) else []
@@ -127,6 +132,11 @@ class Grammar:
         once_only, sign = unrepeated(words), text.rstrip()[-1:]
         return text if once_only == words else " ".join(once_only) + ("" if sign.isalnum() else sign)
 
+    def refuses(self, text: str) -> bool:
+        """Whether it is a no that is cried again and again: `no no no no`."""
+        words = self.language.normaliser.words(self._unrepeated(text))
+        return len(words) == 1 and self.language.no.fits(words) and text.lower().count(words[0]) >= LEAST_REFUSALS
+
     def _undrawn(self, word: str) -> str:
         """The known word that is drawn out, `stop` of `STOPPP` and `soon` of `sooooon`; any other as it is."""
         if self.sentence.knows(word.lower()) or DRAWN_OUT.search(word.lower()) is None:
@@ -152,15 +162,24 @@ class Grammar:
         """Whether a stop is in it, or a warning: `stop, there is a child`; `stop stop you hit the cat`."""
         stop, first = self.language.orders["stop"], words[:1]
         is_again = words[1:2] == first and stop.fits(first)
+        addressed = [each[1:] for each in edges if each[:1] and each[0] in self.language.data["addressed"]]
         heads = [self._ahead_of_reason(each) for each in edges if not text.rstrip().endswith("?")]
-        return is_again or any(map(stop.fits, (*edges, *heads))) or self._warns(text, edges, view)
+        return is_again or any(map(stop.fits, (*edges, *heads, *addressed))) or self._warns(text, edges, view)
 
-    def _begins_with_stop(self, text: str, edges: Sequence[list[str]], view: StatusView) -> bool:
-        """Whether a short first clause begins with the word to stop and is no other: `stop you fool`."""
-        language, words = self.language, self._ahead_of_reason(edges[0]) if edges else []
-        if not 0 < len(words) <= LONGEST_WARNING or language.may_quote(text) or text.rstrip().endswith("?"):
+    def _is_alarmed(self, text: str, words: list[str], edges: Sequence[list[str]], view: StatusView) -> bool:
+        """Whether what is typed cries of harm, or has a short clause that begins with the word to stop."""
+        language = self.language
+        if language.may_quote(text) or text.rstrip().endswith("?"):
             return False
-        stopping = language.warnings["stopping"]
+        short = [each for each in (words, *edges) if len(each) <= LONGEST_ALARM]
+        is_harm = any(map(language.warnings["typed"].fits, short))
+        return is_harm or any(self._begins_with_stop(self._ahead_of_reason(each), view) for each in edges)
+
+    def _begins_with_stop(self, words: list[str], view: StatusView) -> bool:
+        """Whether a short clause begins with the word to stop and is no other: `stop you fool`."""
+        language, stopping = self.language, self.language.warnings["stopping"]
+        if not 0 < len(words) <= LONGEST_WARNING:
+            return False
         if not self.sentence.knows(words[0]):
             meant = (each for each in sorted(stopping.words) if is_slip(words[0], each))
             words = [next(meant, words[0]), *words[1:]]

@@ -21,7 +21,7 @@ from rai_missions.conversation.names import option_place
 from rai_missions.conversation.order_rules import forbidden, may, must_confirm
 from rai_missions.conversation.order_side import EarlierOrder, OrderSide
 from rai_missions.conversation.outputs import TalkTurn
-from rai_missions.conversation.senses import Sense, is_fault, joined
+from rai_missions.conversation.senses import STOP, Sense, is_fault, joined
 from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.state_answers import Asker
 from rai_missions.conversation.suggestions import Suggestions
@@ -249,6 +249,8 @@ class SentenceSide:
     def _answer_nothing(self, utterance: Utterance) -> Handling:
         if self._talk.ends_with(utterance.channel, "model"):
             return "unknown"
+        if self._talk.view.is_alive and not utterance.is_spoken and self._grammar.refuses(utterance.text):
+            return self._stop(STOP, (), utterance)
         self._orders.speak_nothing(utterance)
         return "handled"
 

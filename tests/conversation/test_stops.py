@@ -39,6 +39,42 @@ OTHERWISE = {
         "erst in der Küche", "die Zeit",
     ),
 }  # fmt: skip
+HARM = {
+    "en": (
+        "you're on my foot", "you're crushing my toe!", "it's about to fall down the stairs", "ouch my foot",
+        "the cat!!",
+        "the robot is going to hit the vase", "you'll hit it", "mind the baby!", "get off the rug", "back off",
+        "that's enough", "switch it off", "shut it off, it's going crazy",
+        "everybody freeze",
+        "why won't you stop", "what are you doing, stop that thing", "I yelled stop, are you deaf?",
+        "stop for goodness sake it's burning", "you stop", "watch where you're going", "stay right where you are",
+        "it's going to run over the dog, someone halt that thing", "freeze for a bit",
+    ),
+    "de": (
+        "du stehst auf meinem Fuß", "du rammst gleich den Schrank", "gleich kippt die Vase um", "Aua, mein Fuß!",
+        "das Kind!!", "weg von dem Kind", "aufhören", "schalt das ab", "stoppt das Ding",
+        "rühr dich nicht",
+        "kann den mal jemand anhalten", "du stehen bleiben", "Ich sagte stopp, hörst du nicht?",
+        "Bleib mal kurz stehen",
+    ),
+}  # fmt: skip
+"""Alarms without the word to stop at their beginning, and stops for a while: to stop is the safe reading of both."""
+NO_HARM = {
+    "en": (
+        "it is going to rain", "you are killing me with these jokes", "you are on my list", "it will fall into place",
+        "they will hit the road at nine", "Ouch, that was a bad joke", "that's enough sugar for me",
+        "turn it down a bit",
+        "why won't the rain stop?", "someone stop the music", "Whoa, that is a nice robot", "whoa this is cool",
+        "no, no, I like it", "my foot hurts today", "The cat is so cute!", "I shouted that we should stop at the shop",
+        "he is going to crash at my place tonight", "it is falling asleep", "switch off the tv please",
+    ),
+    "de": (
+        "es wird regnen", "der Preis fällt", "Das Kind ist süß!", "ich habe genug Brot", "mach das Licht aus",
+        "weg damit",
+        "du bist auf dem richtigen Weg", "nein nein, ist gut", "ich sagte gestern, wir sollten anhalten",
+        "kann jemand die Musik anhalten", "Autsch, der Witz war schlecht", "das bricht alle Rekorde",
+    ),
+}  # fmt: skip
 
 
 def drawn_out(word: str) -> list[str]:
@@ -70,15 +106,37 @@ def test_a_stop_at_a_place_a_time_or_in_a_name_stops_nothing_now(code: str) -> N
     assert [each for each in others if STOP in grammar.senses(each, ASSISTING)] == []
 
 
+@pytest.mark.parametrize("code", languages())
+def test_an_alarm_that_is_typed_stops_and_talk_of_harm_stops_nothing(code: str) -> None:
+    grammar = Grammar(language(code))
+    assert [each for each in HARM[code] if STOP not in grammar.senses(each, ASSISTING)] == []
+    assert [each for each in NO_HARM[code] if STOP in grammar.senses(each, ASSISTING)] == []
+
+
 @pytest.mark.parametrize("channel", ["terminal", "page", "voice"])
 def test_words_behind_a_stop_count_where_they_are_typed_alone(channel: str) -> None:
     """What is spoken may be read from a page, `stop viewer may`, or be for others; a stop of its own counts there."""
-    for text, is_stop in {"stop you moron": channel != "voice", "stop": True, "stop, you moron": True}.items():
+    for text, is_stop in {
+        "stop you moron": channel != "voice",
+        "you're on my foot": channel != "voice",
+        "stop": True,
+        "stop, you moron": True,
+    }.items():
         dialogue = Dialogue(settings_in("en", {}, {}), view=PATROLLING)
         readings = (text, text) if channel == "voice" else ()
         sentence = Utterance(text, "operator", channel, "Eve", 1.0, readings=readings)
         outputs = dialogue.on_utterance(sentence, PATROLLING)
         assert [each.name for each in outputs if isinstance(each, Order)] == ["stop"] * is_stop, text
+
+
+@pytest.mark.parametrize("code", languages())
+def test_a_no_that_is_cried_again_and_again_stops_where_it_answers_nothing(code: str) -> None:
+    no, order = {"en": ("no", "cancel the mission"), "de": ("nein", "brich die Mission ab")}[code]
+    for before, times, name in (((), 3, ["stop"]), ((), 2, []), ((order,), 3, [])):
+        dialogue = Dialogue(settings_in(code, {}, {}), view=PATROLLING)
+        for at, text in enumerate((*before, " ".join([no] * times)), start=1):
+            outputs = dialogue.on_utterance(Utterance(text, "operator", "terminal", "Eve", float(at)), PATROLLING)
+        assert [each.name for each in outputs if isinstance(each, Order)] == name
 
 
 def test_a_word_with_many_letters_of_a_kind_stays_where_no_known_word_is_in_it() -> None:

@@ -104,7 +104,7 @@ class Normaliser:
         self.lead, self.tail = _by_length(data["lead"]), _by_length(data["tail"])
         """Politeness and addresses that may come first, or last, the longest first."""
         self._leads, self._tails = _by_word(self.lead, 0), _by_word(self.tail, -1)
-        self._reporting = frozenset(data["reporting"])
+        self._reporting, self._speaking = frozenset(data["reporting"]), frozenset(data["speaking"])
         self._quoting = frozenset(data["quoting"])
         self._articles = frozenset(data["articles"])
         self._called = lru_cache(maxsize=64)(self._words_of)
@@ -194,7 +194,9 @@ class Normaliser:
         return self._split(text, CLAUSES, self._quoting)
 
     def _split(self, text: str, at: re.Pattern[str], reporting: frozenset[str]) -> list[str]:
-        if self.is_quoting(text) or reporting & set(self.words(text)):
+        words = self.words(text)
+        of_others = (word for word, by in zip(words, ["", *words], strict=False) if by not in self._speaking)
+        if self.is_quoting(text) or not reporting.isdisjoint(of_others):
             return [text]
         return [each for each in at.split(text.strip()) if each]
 
