@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from rai_missions.connectors.connector import Connector, Data
+from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.journal import Header, Journal
 from rai_missions.mission.files import dump
@@ -55,6 +56,7 @@ class MortalPlay(Play):
     ) -> None:
         self._ways, self._path, self._deaths, self._actions = ways, path, list(deaths), actions
         self._fate, self._taken = Fate(), set[str]()
+        self._resumed = list[tuple[int, int]]()
         self._journal: Any = None
         self._open = list[Connector]()
         robot = ways.robot()
@@ -116,6 +118,19 @@ class MortalPlay(Play):
         return self._fate.is_dead
 
     def do(self, act: Act, least: Count) -> Count:
+        since, count = len(self.steps.all), self._do(act, least)
+        if act.what == "continues":
+            self._resumed.append((since, count.steps))
+        return count
+
+    def story(self) -> list[Any]:
+        """What a process receives as it continues is in no order: each goal, call and service answers by itself."""
+        steps = self.steps.all
+        for since, until in self._resumed:
+            steps[since:until] = sorted(steps[since:until], key=_answered)
+        return super().story()
+
+    def _do(self, act: Act, least: Count) -> Count:
         what = act.what
         if what == "dies":
             self._fate.is_dead = True
@@ -168,3 +183,9 @@ class MortalPlay(Play):
         for each in self._open:
             if each.running:
                 each.stop()
+
+
+def _answered(step: Step) -> tuple[Any, ...]:
+    """What a step's event answers."""
+    event = step.event
+    return (event.kind, event.number, event.name, str(event.data.get("name")))
