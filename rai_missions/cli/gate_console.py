@@ -17,6 +17,7 @@ from rai_missions.gate.bypass_monitor import BypassMonitor
 from rai_missions.gate.config import command_topic, leases_of
 from rai_missions.gate.memory import Memory, usual_path
 from rai_missions.gate.state import COMMANDERS, Answer, ControlChange, GateEffect, Halt, Pass, PublishStatus, Refuse
+from rai_missions.mission.garbage import set_apart
 from rai_missions.runtime.clock import WallClock
 from rai_missions.runtime.interrupts import on_signals
 
@@ -43,6 +44,7 @@ def serve_gate(given: GateOptions) -> int:
         monitor = BypassMonitor(connector, (each.topic for each in config.commands), partial(_others, config.name))
         stack.callback(monitor.stop)
         monitor.run()
+        stack.enter_context(set_apart())  # a stop is not to wait for a search of all that was loaded
         if not given.quiet:
             print(_opening(config, agent.gate.holder), flush=True)
         agent.serve()
