@@ -21,6 +21,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
+from rai_missions.connectors.worker import Worker
 from rai_missions.engine.step import Step
 from rai_missions.errors import ConnectorError
 from rai_missions.journal.in_flight import needs_confirmation
@@ -33,11 +34,9 @@ QUIET_S = 1.0
 MOST_FREE = 1
 """So many threads wait for the next row. One that is busy takes row after row without being woken."""
 HURRY_S = 0.02
-"""Where no thread has taken a row for so long, and one waits, all of them wait for disks."""
+"""Where no thread has taken a row for so long, and one waits, all of them wait for disks. It is looked at so often."""
 LONGEST_S = 10.0
 """A disk that has not taken a row so long after a thread began to write it is one that cannot be written."""
-PATIENCE_S = 1.0
-"""How often at least a row that waits behind others looks whether a thread has taken any."""
 Job = tuple[Callable[[], object], Callable[[], object]]
 """What is to be done, and how that is made known."""
 
@@ -71,6 +70,7 @@ class DiskThreads:
         self._idle: set[threading.Thread] = set()
         self._journals = self._count = 0
         self._taken_at = -math.inf
+        self._watch, self._is_watched = Worker("rows that wait"), False
 
     def enter(self) -> None:
         """A journal may be written from now on."""
@@ -83,8 +83,10 @@ class DiskThreads:
             self._journals -= 1
             if self._journals:
                 return
-            ended, jobs = self._idle, self._jobs
+            ended, jobs, watch = self._idle, self._jobs, self._watch
             self._idle, self._jobs, self._count = set(), queue.SimpleQueue(), 0
+            self._watch, self._is_watched = Worker("rows that wait"), False
+        watch.close()
         for _ in ended:
             jobs.put(None)
         for thread in ended - {threading.current_thread()}:
@@ -93,17 +95,28 @@ class DiskThreads:
     def do(self, work: Callable[[], object], done: Callable[[], object]) -> None:
         """Have something done on a thread, and then have that known."""
         self._jobs.put((work, done))
-        if self._count < MOST_FREE and self._jobs.qsize() > len(self._idle):
-            self._start()
+        if self._jobs.qsize() > len(self._idle):
+            if self._count < MOST_FREE:
+                self._start()
+            self._watch_over()
 
-    def hurry(self) -> None:
-        """Something has waited for a thread for `HURRY_S`: have another one where none has taken anything since."""
-        now = time.monotonic()
+    def _watch_over(self) -> None:
+        """Something waits for a thread: look from now on whether any is free."""
+        if not self._is_watched:
+            with self._lock:
+                is_first, self._is_watched = not self._is_watched, True
+            if is_first:
+                self._watch.after(HURRY_S, self._look)
+
+    def _look(self) -> None:
+        """While something waits for a thread, have another one where none has taken anything for `HURRY_S`."""
         with self._lock:
-            if now - self._taken_at < HURRY_S:
-                return
-            self._taken_at = now
-        self._start()
+            self._is_watched = False  # from here on, what comes is seen in the queue or begins to look itself
+            self._is_watched = is_watched = not self._jobs.empty()
+        if is_watched:
+            self._watch.after(HURRY_S, self._look)
+            if time.monotonic() - self._taken_at >= HURRY_S:
+                self._start()
 
     def _start(self) -> None:
         with self._lock:
@@ -118,6 +131,8 @@ class DiskThreads:
             with self._lock:
                 self._idle.discard(thread)
                 self._taken_at = time.monotonic()
+            if not jobs.empty():  # it came when this thread still counted as idle
+                self._watch_over()
             work, done = job
             work()
             is_kept = self._is_kept(thread, jobs)  # before that is known: who learns of it finds the thread free
@@ -281,16 +296,12 @@ class BufferedWriter:
         Raises:
             ConnectorError: It was begun long ago.
         """
-        patience_s = HURRY_S
         while not outcome:
-            left_s = begun_at[0] + LONGEST_S - time.monotonic() if begun_at else patience_s
+            until = begun_at[0] + LONGEST_S if begun_at else math.inf
             try:
-                is_call = self._bell.get(timeout=max(0.0, left_s))
+                is_call = self._bell.get(timeout=max(0.0, min(until - time.monotonic(), LONGEST_S)))
             except queue.Empty:
-                if not begun_at:
-                    patience_s = min(4 * patience_s, PATIENCE_S)
-                    THREADS.hurry()
-                elif left_s <= 0 and not outcome:
+                if until <= time.monotonic() and not outcome:
                     self._is_lost = True
                     raise _unanswered() from None
                 continue

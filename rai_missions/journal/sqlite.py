@@ -43,4 +43,4 @@ def log_of(path: Path) -> Path:
 
 
 def uri_of(path: Path, mode: str) -> str:
-    return f"{path.resolve().as_uri()}?mode={mode}"
+    return f"{path.absolute().as_uri()}?mode={mode}"

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import gc
+import queue
 import threading
 import time
 from collections.abc import Callable, Iterable
@@ -18,7 +19,7 @@ from hypothesis import strategies as st
 
 from rai_missions.engine.step import Step
 from rai_missions.journal import buffer
-from rai_missions.journal.buffer import MOST_FREE, BufferedWriter, raised_by
+from rai_missions.journal.buffer import MOST_FREE, BufferedWriter, DiskThreads, raised_by
 
 PATIENCE_S = 30.0
 
@@ -153,3 +154,73 @@ def test_each_journal_has_its_rows_in_their_order_whichever_thread_writes_them(o
     for thread in waiting_for_disks() - before:  # more than are kept end by themselves
         thread.join(PATIENCE_S)
     assert waiting_for_disks() <= before
+
+
+def test_a_disk_is_asked_within_moments_behind_many_that_hang() -> None:
+    before, answers, count = waiting_for_disks(), threading.Event(), 20
+    slow = [Disk(answers) for _ in range(count)]
+    writers = [BufferedWriter(disk) for disk in slow]
+    threads = [threading.Thread(target=writer.note, args=("slow",)) for writer in writers]
+    begun = time.monotonic()
+    for thread in threads:
+        thread.start()
+    other = BufferedWriter(quick := Disk())
+    other.note("quick")
+    assert time.monotonic() - begun < buffer.LONGEST_S / 2 and quick.notes == ["quick"]
+    answers.set()
+    for thread in threads:
+        thread.join(PATIENCE_S)
+    for each in (*writers, other):
+        each.close()
+    assert all(disk.notes == ["slow"] for disk in slow)
+    for left in waiting_for_disks() - before:
+        left.join(PATIENCE_S)
+
+
+class CountingBell(queue.SimpleQueue[bool]):
+    """Counts how often it is waited for."""
+
+    waits = 0
+
+    def get(self, block: bool = True, timeout: float | None = None) -> bool:
+        self.waits += 1
+        return super().get(block, timeout)
+
+
+def test_a_row_that_waits_behind_those_of_others_is_not_woken_before_it_is_written(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    before, disks = waiting_for_disks(), [BusyDisk() for _ in range(25)]
+    writers, bells = [BufferedWriter(disk) for disk in disks], [CountingBell() for _ in disks]
+    for writer, bell in zip(writers, bells, strict=True):
+        monkeypatch.setattr(writer, "_bell", bell)
+    write_at_once(writers, lambda writer: writer.note("row"), writers)
+    assert [bell.waits for bell in bells] == [1] * len(disks)
+    for left in waiting_for_disks() - before:
+        left.join(PATIENCE_S)
+
+
+class QueueWithLatecomer(queue.SimpleQueue[Any]):
+    """Something comes in the moment in which a thread has taken what came before."""
+
+    latecomer: Callable[[], None] = staticmethod(lambda: None)
+
+    def get(self, block: bool = True, timeout: float | None = None) -> Any:
+        job = super().get(block, timeout)
+        late, self.latecomer = self.latecomer, lambda: None
+        late()
+        return job
+
+
+def test_what_comes_while_a_thread_takes_a_row_of_a_disk_that_hangs_is_written(monkeypatch: pytest.MonkeyPatch) -> None:
+    threads, jobs, answers, is_written = DiskThreads(), QueueWithLatecomer(), threading.Event(), threading.Event()
+    monkeypatch.setattr(threads, "_jobs", jobs)
+    threads.enter()
+    first = threading.Event()
+    threads.do(first.set, lambda: None)  # a thread waits from now on
+    assert first.wait(PATIENCE_S)
+    monkeypatch.setattr(jobs, "latecomer", lambda: threads.do(is_written.set, lambda: None))
+    threads.do(lambda: answers.wait(PATIENCE_S), lambda: None)
+    assert is_written.wait(PATIENCE_S / 3), "no thread was started, though the only one waits for a disk"
+    answers.set()
+    threads.leave()

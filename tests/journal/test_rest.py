@@ -117,6 +117,20 @@ def test_what_was_opened_to_be_read_stays_as_it_was_whatever_is_written_then(tmp
     assert verify(path) == ()
 
 
+def test_a_journal_at_rest_is_opened_again_without_a_look_along_its_path(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(*_: object, **__: object) -> str:
+        raise AssertionError("where it is was found out when it was made")
+
+    with Journal.create(tmp_path / "folder with #, % and ?" / "a", HEADER) as journal:
+        journal.rest()
+        with monkeypatch.context() as patch:
+            patch.setattr(os.path, "realpath", refused)
+            journal.note("written")
+    assert [kind for _, kind, _ in rows_of(journal.path)] == ["note"]
+
+
 @pytest.mark.parametrize("how", ["gone", "another", "altered"])
 def test_no_row_is_written_into_what_took_the_place_of_a_journal_at_rest(tmp_path: Path, how: str) -> None:
     path, other = tmp_path / "j", tmp_path / "other"
