@@ -286,6 +286,7 @@ def test_without_the_token_there_is_nothing_to_see_and_with_it_there_is(run: Run
     window.goto(run.page.address)
     window.wait_for_selector("#entry:not([hidden])")
     assert "tractor" not in window.inner_text("body")
+    assert not any(window.is_visible(part) for part in ("#panel", "#line", "#more")), "nothing seems to be on its way"
     window.fill("#token", run.page.token)
     window.click("#entry button")
     window.wait_for_selector("[data-state=driving].active", state="attached")

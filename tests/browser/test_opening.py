@@ -222,3 +222,9 @@ def test_the_legend_explains_the_fallback_where_a_decision_has_one(opened: Open)
     fill = "(form) => getComputedStyle(form).fill"
     window.evaluate(NEARER)
     assert key.evaluate(fill) == window.locator(".cell.fallback rect").first.evaluate(fill)
+
+
+@pytest.mark.parametrize(("mission", "has_it"), [("tractor/mission", True), ("rosbot/assist", False)])
+def test_the_legend_explains_a_history_where_there_is_one(mission: str, has_it: bool, opened: Open) -> None:
+    window = opened(review(load(ROOT / f"missions/{mission}.json")), viewport=SCREEN)
+    assert ("H* back to where it left" in " ".join(window.inner_text("#legend").split())) is has_it

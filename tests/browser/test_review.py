@@ -189,7 +189,15 @@ def test_the_path_of_a_run_has_each_change_with_its_time_and_answer_and_leads_to
     times = window.locator("#path li > a").all_inner_texts()
     assert times == [f"{run['steps'][index][1]:.2f} s" for index in changed]
     reported = window.inner_text("#path")
-    for words in (run["why"], "s there", HOSTILE[0], "was not offered", "the operator answered", "command start"):
+    for words in (
+        run["why"],
+        "s there",
+        HOSTILE[0],
+        "was not offered",
+        "the operator answered",
+        "command start",
+        "ask the model (question 2)",
+    ):
         assert words in reported, words
     assert_accessible(window)
     window.click("#path li:last-child > a")

@@ -143,12 +143,15 @@ def _row(
     for effect in step.effects:
         if isinstance(effect, Ask):
             questions[effect.question.number] = _question(effect.question, index, gallery)
+    judged: list[str] = []
     if step.event.kind == "proposal" and step.event.number in questions:
-        questions[step.event.number] |= _answer(step, index)
+        answer = _answer(step, index)
+        questions[step.event.number] |= answer
+        judged = answer["verdict"]
     described = describe(step)
     more = {
         "does": list(described.effects),
-        "notes": list(described.notes),
+        "notes": [each for each in (*described.verdicts, *described.remarks) if each not in judged],
         "why": step.why,
         "outcome": step.outcome,
         "asks": [effect.question.number for effect in step.effects if isinstance(effect, Ask)],

@@ -13,8 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import visualize
-from tests.visualize.page.reading import DATA, HOSTILE, data_of
-from visualize.page import document
+from tests.visualize.page.reading import DATA, HOSTILE, answered, data_of
+from tests.visualize.runs import tractor
+from visualize.page import document, review, run_of_steps
 from visualize.page.html import ASSETS, SCRIPTS
 
 TEXTS = st.one_of(st.sampled_from(HOSTILE), st.text(max_size=40))
@@ -73,3 +74,12 @@ def test_no_line_of_a_script_or_a_style_is_longer_than_one_of_python() -> None:
     for path in (*folder.rglob("*.js"), *folder.rglob("*.css")):
         lines = path.read_text(encoding="utf-8").splitlines()
         assert [number for number, line in enumerate(lines, 1) if len(line) > 120] == [], path
+
+
+def test_a_step_states_a_verdict_once_and_who_has_control_in_words() -> None:
+    [run] = data_of(review(tractor(), runs=[run_of_steps(answered(tractor()))]))["runs"]
+    notes = {index: run["pool"][row[6]].get("notes", []) for index, row in enumerate(run["steps"])}
+    judged = [each for each in run["questions"] if "answered" in each]
+    assert judged and not [each for each in judged if {*notes[each["answered"]]} & {*each["verdict"]}]
+    stated = [note for each in notes.values() for note in each if note.startswith("control:")]
+    assert "control: agent" not in stated and "control: the mission itself" in stated

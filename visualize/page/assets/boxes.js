@@ -45,6 +45,11 @@ function transitionWords(transition) {
     `${on}${transition.when}${guard}`) + ((transition.do || []).length ? ` / ${transition.do.join("; ")}` : "");
 }
 
+/** The sign of a history, as UML writes it. */
+function historyName(state) {
+  return state.outcome === "deep" ? "H*" : "H";
+}
+
 function lookOf(state) {
   if (state.kind === "final") return [state.outcome, `final ${state.outcome}`];
   return LOOKS[state.kind || ""] || LOOKS[""];
@@ -61,7 +66,7 @@ function headed(column, state, detail) {
 
 /** From afar: the name alone. */
 function nameBox(state, detail, more = 0) {
-  const name = state.kind === "history" ? (state.outcome === "deep" ? "H*" : "H") : state.name;
+  const name = state.kind === "history" ? historyName(state) : state.name;
   const whole = marked(state.mark, name);
   const column = new Column(limitOf(name, detail) + (state.mark ? width(`${state.mark} `, NAME, true) : 0));
   named(column, state, whole, detail);
@@ -135,7 +140,7 @@ function described(column, state, staying) {
 
 function historyBox(state) {
   const column = new Column(120);
-  column.add(state.outcome === "deep" ? "H*" : "H", 13, { bold: true });
+  column.add(historyName(state), 13, { bold: true });
   column.add(marked(state.mark, state.name), 10);
   return { w: Math.max(44, column.w + 2 * PAD), h: column.h + PAD, texts: column.texts, cells: [], tree: null };
 }

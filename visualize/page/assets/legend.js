@@ -24,6 +24,8 @@ class Legend {
   constructor(host, data) {
     const { states } = data.chart;
     const items = LEGEND.filter(([fits]) => states.some(fits)).map(([, state, words]) => this.item(state, words));
+    for (const name of new Set(states.filter(({ kind }) => kind === "history").map(historyName))) items.push(
+      make("li", {}, make("b", {}, name), " back to where it left"));
     if (data.changes) items.unshift(this.mark("+", "added"), this.mark("−", "removed"), this.mark("~", "changed"));
     if (data.runs.length) items.push(this.item({ kind: "", active: true }, "active"), this.line("taken"));
     const dot = draw("rect", { x: 16, y: 6, width: 8, height: 8, rx: 4 });

@@ -44,8 +44,14 @@ class Path {
     return make("li", { "data-step": String(index) },
       link({ run: this.player.number, step: index }, () => this.player.seek(index), `${step.at.toFixed(2)} s`),
       make("div", {}, make("small", {}, stay), this.player.ways(step).map((way) => make("div", {}, way)),
-        isCaused ? "" : make("div", {}, eventWords(step.event)),
+        isCaused ? "" : this.cause(step),
         answered ? make("div", { class: "verdict" }, this.player.proposal(answered), answered.verdict.join("; ")) : "",
         more.outcome ? make("b", {}, `ended ${more.outcome}: ${more.why || ""}`) : ""));
+  }
+
+  /** What a step without a transition was about: what it notes, else what happened; and what it had done. */
+  cause({ event, more }) {
+    return [make("div", {}, (more.notes || []).length ? more.notes.join("; ") : eventWords(event)),
+      (more.does || []).map((each) => make("div", { class: "muted" }, each))];
   }
 }
