@@ -6,6 +6,7 @@ Rule: every fault is found as the language is opened; none is left for the sente
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from string import Formatter
@@ -41,6 +42,12 @@ OF_A_KIND = re.compile("(refused|end)_")
 """Texts in whose place English has the engine's own sentence."""
 KIND_SLOTS = frozenset(("name", "state", "why"))
 SORTS = {bool: "true or false", int: "a number", float: "a number", str: "a text", list: "a list of texts"}
+SINGLE = re.compile(r"\\.|\[\^?\]?(?:\\.|[^\]\\])*\]")
+"""What matches one character: one with a backslash, and a class."""
+GROUP, REPEATS = re.compile(r"\((?:\?(?:(<?[=!])|:|P<\w+>))?([^()]*)\)"), "\0"
+"""A group without groups in it, which may only look, and what is put in its place where it repeats without a limit."""
+UNLIMITED = re.compile(rf"[+*{REPEATS}]|{{\d*,}}")
+NESTED = re.compile(rf"{REPEATS}(?:[+*]|{{\d*,}})")
 NAMED_BY_PHRASES = ("/parts/", "/verbs/")
 """Tables without which no phrase can be read."""
 Steps = tuple[str, ...]
@@ -91,6 +98,8 @@ def _sort_fault(own: Any, english: Any) -> str:
     """Why a value is not of the sort that English has; empty if it is."""
     numbers = (int, float)
     of_a_sort = isinstance(own, numbers) if type(english) in numbers else isinstance(own, type(english))
+    if isinstance(own, float) and not math.isfinite(own):
+        return f"{shown(own)} is no finite number; in English it is {_example(english)}"
     if not of_a_sort or (isinstance(own, bool) and not isinstance(english, bool)):
         return f"{shown(own)} is not {SORTS[type(english)]}; in English it is {_example(english)}"
     odd = next((each for each in own if not isinstance(each, str)), None) if isinstance(own, list) else None
@@ -165,7 +174,20 @@ def _pattern_fault(pattern: str) -> str:
         re.compile(pattern)
     except re.error as error:
         return f"{shown(pattern)} is no regular expression: {error}"
-    return ""
+    return f"{shown(pattern)} repeats what repeats; a text could take hours" if _is_nested(pattern) else ""
+
+
+def _is_nested(pattern: str) -> bool:
+    """Whether a repetition without a limit is within another, so that the ways to match grow with each character."""
+    left, before = SINGLE.sub("x", pattern), ""
+    while left != before:
+        left, before = (
+            GROUP.sub(lambda each: "" if each[1] else REPEATS if UNLIMITED.search(each[2]) else "x", left),
+            left,
+        )
+        if NESTED.search(left):
+            return True
+    return False
 
 
 def _sample(table: Mapping[str, Any]) -> str:

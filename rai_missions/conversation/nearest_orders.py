@@ -79,7 +79,7 @@ class NearestOrders:
         self._suggestions, self._likeness = suggestions, likeness
         data = self._language.data
         self._unordered = frozenset([*data["claims"]["negations"], *data["quoting"]])
-        self._asking = frozenset(data["asking"])
+        self._asking, self._indefinite = frozenset(data["asking"]), frozenset(data["no_certain"])
         stating = frozenset([*self._language.articles, *data["owners"], *data["pronouns"], *data["subjects"]])
         self._stating = stating - frozenset(data["addressed"])
         self._orders = _orders_of(self._language)
@@ -100,7 +100,7 @@ class NearestOrders:
             return []
         if view.missions is not self._missions:
             self._missions, self._starts = view.missions, list(self._starts_of(view.missions))
-        named = self._named(words, frozenset().union(*(each.slots for each in self._starts)), view)
+        named = self._named(words, asking, view)
         texts = [" ".join(self._masked(each, named)) for each in (words, *asking) if each]
         forms = [*_fitting(self._starts, named), *self._orders, *self._answers(view)]
         forms = [each for each in forms if each.slots or not is_question(text, self._language)]
@@ -118,22 +118,39 @@ class NearestOrders:
 
     def _may_ask(self, words: list[str]) -> bool:
         """Whether a clause may ask for something: it is a wish or a question, or no statement."""
-        if self._language.wish.fits(words) or words[0] in self._asking:
+        if self._language.wish.fits(words) or words[0] in self._asking or self._wanted(words):
             return True
         stated = (slots.get("thing", "").split() for slots in self._language.statement.match(words))
         return words[0] not in self._stating and all(len(thing) > LONGEST_SUBJECT for thing in stated)
 
     # -- the values that are named ------------------------------------------------------------------------------------
 
-    def _named(self, words: Sequence[str], slots: Collection[str], view: StatusView) -> dict[str, NamedValue]:
-        """The values of arguments that the words name: of a list, numbers, and then a thing among the other words."""
+    def _wanted(self, words: Sequence[str]) -> list[str]:
+        """The thing that a clause wants or misses, whatever it is: `keys` of `I need my keys`; nothing of any kind."""
+        wanted = (slots["thing"].split() for slots in self._language.wanted.match(words))
+        certain = (each for each in wanted if each[0] in self._language.articles - self._indefinite)
+        return next((thing for each in certain for thing, _ in list(self._suggestions.things(each))[-1:]), [])
+
+    def _named(self, words: Sequence[str], asking: Sequence[Sequence[str]], view: StatusView) -> dict[str, NamedValue]:
+        """The values of arguments that the words name: of a list, numbers, and then a thing among the other words.
+
+        Args:
+            words: Of the sentence.
+            asking: Its clauses that ask for something.
+            view: The run.
+        """
+        slots = frozenset().union(*(each.slots for each in self._starts))
+        asked = [word for clause in asking for word in clause]
         keys = {key.name: key for mission in view.missions for key in mission.arguments if key.name in slots}
         found = dict[str, NamedValue]()
         for name, key in keys.items():
-            given = self._number(words, key) if key.type in ("integer", "number") else self._listed(words, name)
+            given = self._number(asked, key) if key.type in ("integer", "number") else self._listed(asked, name)
             found |= {} if given is None else {name: given}
         free = [name for name, key in keys.items() if key.type == "string" and not self._phrases.choices(name)]
-        thing = self._thing(words, frozenset(word for each in found.values() for word in each.words), view)
+        taken = frozenset(word for each in found.values() for word in each.words)
+        wanted = next(filter(None, map(self._wanted, asking)), [])
+        is_free = bool(wanted) and taken.isdisjoint(wanted)
+        thing = NamedValue(tuple(wanted), " ".join(wanted)) if is_free else self._thing(words, taken, view)
         return found | ({} if thing is None else dict.fromkeys(free, thing))
 
     def _listed(self, words: Sequence[str], name: str) -> NamedValue | None:

@@ -97,6 +97,14 @@ FAULTS: dict[str, tuple[Change, str]] = {
         lambda data: data.update(reason_pattern="("),
         "/reason_pattern: '(' is no regular expression: missing ), unterminated subpattern at position 0",
     ),
+    "a pattern repeats what repeats": (
+        lambda data: data.update(reason_pattern="(?:(?:perché|che) ?\\w+)+x"),
+        "/reason_pattern: '(?:(?:perché|che) ?\\w+)+x' repeats what repeats; a text could take hours",
+    ),
+    "a number is infinite": (
+        lambda data: data["numbers"].update(due=float("inf")),
+        "/numbers/due: Infinity is no finite number; in English it is",
+    ),
     "a number is a word": (lambda data: data["numbers"].update(due="2"), "/numbers/due: '2' is not a number; in"),
     "another language": (
         lambda data: data.update(language="de"),

@@ -42,11 +42,17 @@ UNREAD = {
         "sleuth for my cup": {"task": "find", "object": "cup"},
         "sleuth for my book in the study": {"task": "find", "object": "book", "place": "study"},
         "grant me 20 seconds of peace": {"task": "wait", "wait_s": 20},
+        "I need my keys": {"task": "find", "object": "keys"},
+        "I've lost the bloody remote": {"task": "find", "object": "bloody remote"},
+        "My husband has hidden the remote again, go sniff it out would you": {"task": "find", "object": "remote"},
+        "my glasses are gone": {"task": "find", "object": "glasses"},
     },
     "de": {
         "auf in Richtung Küche": {"task": "go", "place": "kitchen"},
         "spür mir mal die Tasse auf": {"task": "find", "object": "tasse"},
         "gönn mir 20 Sekunden Ruhe": {"task": "wait", "wait_s": 20},
+        "ich brauche meine Schlüssel": {"task": "find", "object": "schlüssel"},
+        "mein Ladekabel ist weg": {"task": "find", "object": "ladekabel"},
     },
 }
 """Sentences that no rule reads → the arguments of what is offered first."""
@@ -60,6 +66,13 @@ NOTHING = {
         "if it rains the kitchen floods",
         'the sign in front reads "kitchen"',
         "how lovely",
+        "I need a break",
+        "we want to know the time",
+        "make your way to the garden",
+        "I'm going to the study now, see you tonight",
+        "Had I known about the sale I would have gone to the kitchen",
+        "> how about a trip to the kitchen",
+        "fine by me\n> how about a trip to the kitchen",
     ),
     "de": (
         "die Küche duftet heute herrlich",
@@ -67,6 +80,8 @@ NOTHING = {
         "bloß nicht die Küche",
         "wenn es regnet Küche unter Wasser",
         "wie schön",
+        "ich will die Wahrheit nicht",
+        "> auf in Richtung Küche",
     ),
 }
 MOST_OFFERED = 0.05

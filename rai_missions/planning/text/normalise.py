@@ -27,8 +27,8 @@ NEAREST = 5
 """Letters of the shortest word in which any letter may be wrong."""
 Cut = Callable[[str, int], str]
 """Cuts a text to a number of characters."""
-QUOTES = re.compile(r"[\"“”„«»]|(?<!\w)'(?=\w).*[\w.,!?]'(?!\w)")
-"""Words of others, but for `'em` and `the boys' room`, each of which has one sign."""
+QUOTES = re.compile(r"[\"“”„«»]|(?<!\w)'(?=\w).*[\w.,!?]'(?!\w)|^\s*>", re.MULTILINE)
+"""Words of others, also lines of a mail in the reply to it, but for `'em` and `the boys' room`, which have one sign."""
 SENTENCES = re.compile(r"(?<=[.!?;])\s+")
 CLAUSES = re.compile(r"(?<=[.!?;,:])\s+|\s[-–—]+\s")
 TOKEN = re.compile(r"\d+(?:st|nd|rd|th)\b|-?\d+(?:[.,]\d+)*|[^\W\d_]+(?:'[^\W\d_]+)*|[^\W_]+|[@&]")

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sentences of a stranger, who had not seen the grammar: how many are read right, and what harmless ones do.
+
+Every other sentence was read while the rules were written, the first of each two; the rest was only counted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from rai_missions.agents.talk.settings import settings_of
+from rai_missions.conversation import Dialogue, KeyView, MissionView, Order, Output, StatusView, TalkNote, Utterance
+from rai_missions.conversation.grammar import Grammar
+from rai_missions.conversation.language import language
+from rai_missions.engine.decision import Offer, Question
+from rai_missions.profile import load_profile
+from tests.conversation.stored import read
+
+SETS = read("strangers.json")
+SPOTS = ("kitchen", "living room", "bedroom", "office", "hall", "table", "shelf", "sofa", "desk", "counter")
+GERMAN = (
+    "Küche", "Wohnzimmer", "Schlafzimmer", "Büro", "Flur", "Tisch", "Regal", "Sofa", "Schreibtisch", "Theke",
+)  # fmt: skip
+NAMES = {"en": {each: each for each in SPOTS}, "de": dict(zip(GERMAN, SPOTS, strict=True))}
+OBJECTS = {
+    "cup": "tasse", "plant": "pflanze", "chair": "stuhl", "book": "buch", "bottle": "flasche", "keys": "schlüssel",
+    "remote": "fernbedienung",
+}  # fmt: skip
+OWN = settings_of(load_profile("missions/rosbot/robot.sim.json").conversation)
+PHRASES = {
+    "en": {**OWN.phrases, "[do|make] [a|your] patrol": {"task": "patrol"}},
+    "de": {
+        "(such|suche|finde) {object}": {"task": "find"},
+        "(such|suche|finde) {object} in {place}": {"task": "find"},
+        "(wo|wohin) (ist|sind) {object} [jetzt|denn|bloß|hin]": {"task": "find"},
+        "(fahr|geh) (in|zu) {place}": {"task": "go"},
+        "(schau|sieh) [dich] um [in|auf] {place}": {"task": "look"},
+        "(schau|sieh) [nach] (in|auf) {place}": {"task": "look"},
+        "was (ist|liegt|steht) (in|auf) {place}": {"task": "look"},
+        "sieh dich um": {"task": "look", "place": "here"},
+        "warte {wait_s}": {"task": "wait"},
+        "warte {wait_s} in {place}": {"task": "wait"},
+        "komm zurück": {"task": "come_back"},
+        "(patrouilliere|mach [eine|deine] patrouille|fahr patrouille)": {"task": "patrol"},
+    },
+}
+ARGUMENTS = (
+    *(KeyView(name, "string", "argument") for name in ("task", "object", "place")),
+    KeyView("wait_s", "integer", "argument", minimum=1, maximum=3600),
+)
+KEYS = {
+    "things": KeyView("things", "string", value="ball, book, bottle, bowl, chair, cup, lamp, person, plant"),
+    "battery": KeyView("battery", "number", value=0.8),
+    "report": KeyView("report", "string", value=""),
+}
+VIEW = StatusView(
+    run="r1", mode="running", mission="assist", robot="rob", missions=(MissionView("assist", "", ARGUMENTS),), keys=KEYS
+)
+OPTIONS = (
+    Offer("wait", "wait for the way to be free"),
+    Offer("skip", "skip this room"),
+    Offer("call", "call a person"),
+)
+ASKED = VIEW._replace(questions=(Question(1, "deciding", "operator", "Shall I wait or skip the room?", OPTIONS),))
+TASKS = {"back": "come_back"}
+STATE = {
+    "state": ("doing", "mission", "happened", "progress"), "found": ("result", "happened", "count"),
+    "where": ("where",), "why": ("why_stopped", "waits"), "can": ("capabilities", "places"), "battery": ("key",),
+    "long": ("time_left", "since", "progress"),
+}  # fmt: skip
+NONE = "none"
+LEAST = {
+    ("house", "en"): (21, 18, 10, 9), ("house", "de"): (14, 11, 5, 5), ("stop", "en"): (18, 11, 12, 13),
+    ("stop", "de"): (10, 9, 9, 9), ("answers", "en"): (8, 10, 6, 6), ("answers", "de"): (3, 8, 4, 3),
+    ("state", "en"): (14, 13, 0, 0),
+}  # fmt: skip
+"""Those that mean something and are read right, of the half that was read and of the other; then the harmless ones."""
+
+
+def outputs(code: str, texts: list[str], view: StatusView) -> Iterator[tuple[Output, ...]]:
+    """What each sentence of one conversation has for an answer; long after the one before."""
+    names = {"place": NAMES[code]}
+    settings = OWN._replace(language=code, phrases=PHRASES[code], names=names, spoken={}, places={}, questions={})
+    dialogue = Dialogue(settings, view)
+    for at, text in enumerate(texts, start=1):
+        yield dialogue.on_utterance(Utterance(text, "operator", "terminal", "Eve", 1_000.0 * at), view)
+
+
+def is_ordered(found: tuple[Output, ...], expected: str, code: str) -> bool:
+    """Whether the first order that is given out, read back or offered is what was meant."""
+    read_back = [each.data["order"] for each in found if isinstance(each, TalkNote) and each.kind == "read_back"]
+    given = [each for each in found if isinstance(each, Order)]
+    names = [each.name for each in given] + [each["order"] for each in read_back]
+    arguments = [{**each.arguments} for each in given] + [each.get("arguments", {}) for each in read_back]
+    options = [each.option for each in given] + [each.get("option", "") for each in read_back]
+    task, _, what = expected.partition(" ")
+    if task == NONE or not names:
+        return task == NONE and not names
+    if names[0] == "answer":
+        return bool(options[0] == task)
+    if names[0] == "pause":
+        return task == "wait"
+    if arguments[0].get("task") != TASKS.get(task, task):
+        return False
+    if task == "find":
+        return (what if code == "en" else OBJECTS[what]) in arguments[0].get("object", "")
+    return task not in ("go", "look") or arguments[0].get("place") == what
+
+
+def rights(kind: str, code: str) -> Iterator[bool]:
+    """Whether each sentence of a set is read right."""
+    texts, expected = zip(*SETS[kind][code], strict=True)
+    if kind == "state":
+        grammar = Grammar(language(code))
+        for text, name in SETS[kind][code]:
+            found = (*grammar.senses(text, VIEW), grammar.question_by_sense(text, VIEW))
+            yield next((each.name for each in found if each is not None), "") in STATE[name]
+        return
+    for found, name in zip(outputs(code, list(texts), ASKED if kind == "answers" else VIEW), expected, strict=True):
+        is_stop = any(isinstance(each, Order) and each.name == "stop" for each in found)
+        yield is_stop == (name == "stop") if kind == "stop" else is_ordered(found, name, code)
+
+
+@pytest.mark.parametrize(("kind", "code"), LEAST)
+def test_as_many_sentences_of_a_stranger_are_read_right_as_before(kind: str, code: str) -> None:
+    rows = [(is_right, name == NONE) for is_right, (_, name) in zip(rights(kind, code), SETS[kind][code], strict=True)]
+    halves = [
+        sum(is_right for is_right, none in rows[at::2] if none == is_none) for is_none in (False, True) for at in (0, 1)
+    ]
+    assert all(found >= least for found, least in zip(halves, LEAST[kind, code], strict=True)), halves
