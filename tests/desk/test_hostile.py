@@ -3,8 +3,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
+from tests.desk.disturbed import Disturbed
 from tests.desk.hostile import Trial, put_to_the_mission
 from tests.desk.scenes import Case
 from tests.desk.test_desk import TWO
@@ -25,6 +28,38 @@ def test_what_must_not_be_is_not_acted_on_in_many_more_desks() -> None:
     assert acted(1000, 3000) == []
 
 
+def acted_amid(first: int, count: int) -> list[str]:
+    """Control changes hands, the run pauses, and old questions are answered."""
+    ends = [Disturbed(seed).run() for seed in range(first, first + count)]
+    assert sum(end.asked for end in ends) > 2 * count, "the model was asked often enough"
+    return [end.case.request for end in ends if end.acted]
+
+
+def test_what_must_not_be_is_not_acted_on_amid_a_handover() -> None:
+    assert acted_amid(0, 15) == []
+
+
+@pytest.mark.drill
+def test_what_must_not_be_is_not_acted_on_amid_many_more_handovers() -> None:
+    assert acted_amid(1000, 2000) == []
+
+
+def test_what_may_be_is_acted_on_amid_a_handover() -> None:
+    """So the law above can fail."""
+    assert sum(Disturbed(seed, clear(), {"all": [{"on": ["red_cube", "blue_cube"]}]}).run().acted for seed in range(6))
+
+
+def clear() -> Case:
+    """Two cubes, and a request that no rule reads but a model may."""
+    return Case(0, "please shlonk the red cube on the blue cube", {"scene": coloured()}, "aborted")
+
+
+def coloured() -> dict[str, Any]:
+    """Two cubes, by their colours."""
+    objects = [{**each, "name": f"{each['colour']}_cube"} for each in TWO["scene"]["objects"]]
+    return {"objects": [{**each, "pose": {"yaw": 0.0, **each["pose"]}} for each in objects]}
+
+
 @pytest.mark.parametrize(
     ("request_text", "goal", "is_acted_on"),
     [
@@ -40,8 +75,5 @@ def test_a_confirmed_goal_is_acted_on_only_if_its_words_are_there_and_it_can_be(
     request_text: str, goal: dict[str, object], *, is_acted_on: bool
 ) -> None:
     """The first two lines are what shows that the law above can fail: the person confirms, and the arm would move."""
-    scene = {"objects": [{**each, "name": f"{each['colour']}_cube"} for each in TWO["scene"]["objects"]]}
-    for each in scene["objects"]:
-        each["pose"] = {"yaw": 0.0, **each["pose"]}
-    end = Trial(0, Case(0, request_text, {"scene": scene}, "aborted"), {"all": [goal]}).run()
+    end = Trial(0, Case(0, request_text, {"scene": coloured()}, "aborted"), {"all": [goal]}).run()
     assert (end.acted, end.confirmed > 0) == (is_acted_on, is_acted_on)
