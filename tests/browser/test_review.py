@@ -79,6 +79,9 @@ def test_a_click_reports_all_of_a_state_and_the_address_names_it(opened: Open) -
     assert window.evaluate("location.hash") == "#state=crossing"
     window.click("#details a:has-text('assessing') >> nth=0")
     assert window.evaluate("location.hash") == "#state=assessing"
+    assert window.locator("#details .crumbs").count() == 0, "nothing is around it"
+    window.evaluate("review.go('state', 'driving')")
+    assert window.inner_text("#details .crumbs") == "working › driving"
 
 
 def test_a_click_reports_all_of_a_row(opened: Open) -> None:

@@ -58,11 +58,11 @@ class Details {
     const state = this.model.states.get(name);
     if (!state) return this.nothing();
     const away = this.model.away.get(name) || [], here = this.model.here.get(name) || [], begins = this.begins(name);
-    const times = sum((this.coverage.states || {})[name]);
+    const times = sum((this.coverage.states || {})[name]), around = this.model.chain(name).slice(0, -1);
     this.host.replaceChildren(
       make("h2", {}, marked(state.mark, state.name), " ", make("small", {}, lookOf(state)[0])),
-      make("p", { class: "crumbs" },
-        this.model.chain(name).slice(0, -1).map((each) => [this.link("state", each), " › "]), name),
+      around.length
+        ? make("p", { class: "crumbs" }, around.map((each) => [this.link("state", each), " › "]), name) : "",
       make("p", { class: "muted" }, make("code", {}, state.place)),
       state.about ? make("p", {}, state.about) : "",
       state.title ? make("p", {}, make("b", {}, state.title)) : "",
