@@ -264,22 +264,32 @@ class Comparisons:
     def places(self, path: str) -> Places | None:
         """The places among which it is, or that it is one of; None where these do not represent all."""
         kin, reading = self.kin_of(path), self._reading_of(path)
-        given = tuple(sorted(each for each in kin if reading and self.keys[each].source == "argument"))
+        given = sorted(each for each in kin if reading and self.keys[each].source == "argument")
         is_bare = not any(self.atoms.get(each) or self.within(each) for each in kin)
         if reading is None or not 0 < len(given) <= len(AXES) or not is_bare:
             return None
         if any(self.keys[each].source == "answer" for each in kin):
             return None
-        return Places(reading, given, *self.near[reading])
+        radii = {each: self.near.get(each) or self._radii(path) for each in given}
+        if any(len(found) > 1 for found in radii.values()):
+            return None
+        return Places(reading, {each: min(found) for each, found in radii.items()})
 
     def _is_among_constants(self, path: str) -> bool:
         """It is a reading among poses that the mission wrote, which lie apart; or one of these."""
         reading = self._reading_of(path)
         sources = {self.keys[each].source for each in self.kin_of(path) if reading and each != reading}
-        return sources == {"mission"} and are_apart(self.operands(path), *self.near[reading or ""])
+        return sources == {"mission"} and are_apart(self.operands(path), max(self._radii(path)))
+
+    def _radii(self, path: str) -> set[float]:
+        """The distances that guards ask for among its kin."""
+        return {radius for each in self.kin_of(path) for radius in self.near.get(each, ())}
 
     def _reading_of(self, path: str) -> str | None:
-        """The robot's reading that each distance to its kin is one of, all alike; None where more is done with them."""
+        """The robot's reading that each distance to its kin is one of; None where more is done with them.
+
+        Where one of them is copied, all distances are alike: the copy is asked for by its own.
+        """
         kin = self.kin_of(path)
         readings = [each for each in kin if each in self.keys and self.keys[each].source == "robot"]
         keys = [self.keys[each] for each in kin if each in self.keys and self.keys[each].type == "pose"]
@@ -287,10 +297,14 @@ class Comparisons:
         if len(readings) != 1 or len(keys) != len(kin) or len({each.frame for each in keys}) != 1:
             return None
         (reading,) = readings
-        radii = {radius for each in kin for radius in self.near.get(each, ())}
+        radii, is_copied = self._radii(path), bool(kin & self._copied)
         is_alone = reading not in self._copied | self._sources and all(reading in pair for pair in measured)
         is_odd = kin & (self._brought | {each for one, _, other in self.met for each in (one, other)})
-        return reading if is_alone and not is_odd and len(radii) == 1 and min(radii) > 0 else None
+        return (
+            reading
+            if is_alone and not is_odd and not (is_copied and len(radii) > 1) and min(radii, default=0) > 0
+            else None
+        )
 
     @cached_property
     def _brought(self) -> set[str]:

@@ -21,25 +21,26 @@ AXES = ("x", "y", "z")
 
 @dataclass(frozen=True)
 class Places:
-    """A reading, and the arguments that it is compared with by one distance: as many as there are axes, at the most.
+    """A reading, and the arguments that it is compared with by a distance each: as many as there are axes, at the most.
 
-    A place is on each axis, at this distance from the origin. So the sign of the reading's coordinate there decides
-    whether it is near, whatever its other coordinates are: half the distance leaves each sphere on its own side.
+    A place is on each axis, at its distance from the origin. So the sign of the reading's coordinate there decides
+    whether it is near, whatever its other coordinates are: half of the least distance keeps to its side of each sphere.
     """
 
     reading: str
-    given: tuple[str, ...]
-    within_m: float
+    within_m: Mapping[str, float]
+    """Argument → the distance."""
 
     def poses(self, path: str, frame: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
         """What the reading can be, or an argument, or a key that is set from arguments."""
         origin = {"x": 0.0, "y": 0.0, **frame}
         if path == self.reading:
-            for signs in product((1, -1), repeat=len(self.given)):
-                yield origin | {axis: sign * self.within_m / 2 for axis, sign in zip(AXES, signs, strict=False)}
-        for axis, given in zip(AXES, self.given, strict=False):
-            if path == given or path not in (self.reading, *self.given):
-                yield origin | {axis: self.within_m}
+            half_m = min(self.within_m.values()) / 2
+            for signs in product((1, -1), repeat=len(self.within_m)):
+                yield origin | {axis: sign * half_m for axis, sign in zip(AXES, signs, strict=False)}
+        for axis, (given, within_m) in zip(AXES, self.within_m.items(), strict=False):
+            if path == given or path not in (self.reading, *self.within_m):
+                yield origin | {axis: within_m}
 
 
 def are_apart(poses: list[Any], within_m: float) -> bool:

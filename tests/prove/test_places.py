@@ -38,16 +38,16 @@ def proof_of(keys: Json, *guards: Json, do: list[Json] | None = None, **more: An
     }))  # fmt: skip
 
 
-@given(many=st.integers(1, 3), within_m=st.floats(0.001, 1e4))
-def test_a_reading_can_be_near_any_of_its_places_and_far_from_the_others(many: int, within_m: float) -> None:
-    names = tuple("abc"[:many])
-    places = Places("pose", names, within_m)
+@given(within_m=st.lists(st.floats(0.001, 1e4), min_size=1, max_size=3))
+def test_a_reading_can_be_near_any_of_its_places_and_far_from_the_others(within_m: list[float]) -> None:
+    distances = dict(zip("abc", within_m, strict=False))
+    names, places = tuple(distances), Places("pose", distances)
     at = {name: next(places.poses(name, {"frame": "map"})) for name in names}
     found = [
-        tuple((metres := distance(reading, at[name])) is not None and metres <= within_m for name in names)
+        tuple((metres := distance(reading, at[name])) is not None and metres <= distances[name] for name in names)
         for reading in places.poses("pose", {"frame": "map"})
     ]
-    assert sorted(found) == sorted(product((False, True), repeat=many))
+    assert sorted(found) == sorted(product((False, True), repeat=len(names)))
     copies = list(places.poses("target", {"frame": "map"}))
     assert copies == [at[name] for name in names]
 
@@ -57,6 +57,22 @@ def test_each_nearness_to_two_arguments_is_explored() -> None:
     both, either = {"all": [one, other]}, {"any": [one, other]}
     proof = proof_of({"home": GIVEN, "shelf": GIVEN}, both, {"all": [one, {"not": other}]}, other, {"not": either})
     assert (proof.sampled, proof.never) == ((), ())
+
+
+@pytest.mark.parametrize("keys", [
+    {"home": GIVEN, "shelf": GIVEN},
+    {"home": {**KEPT, "initial": {"x": 0.0, "y": 0.0, "frame": "map"}},
+     "shelf": {**KEPT, "initial": {"x": 9.0, "y": 0.0, "frame": "map"}}},
+], ids=["arguments", "constants"])  # fmt: skip
+def test_places_may_have_distances_of_their_own(keys: Json) -> None:
+    home, shelf = near("home"), near("shelf", within_m=2)
+    proof = proof_of(keys, {"all": [home, {"not": shelf}]}, shelf, {"not": {"any": [home, shelf]}})
+    assert (proof.sampled, proof.never) == ((), ())
+
+
+def test_a_copy_is_asked_for_by_the_distance_of_its_places() -> None:
+    keys, do = {"target": KEPT, "home": GIVEN, "shelf": GIVEN}, [{"set": "target", "from": "home"}]
+    assert "pose" in proof_of(keys, near("target"), near("shelf", within_m=2), do=do).sampled
 
 
 def test_a_delivery_between_two_places_is_proved() -> None:
@@ -95,7 +111,7 @@ def test_constants_that_lie_apart_are_near_one_at_a_time() -> None:
 
 @pytest.mark.parametrize(("keys", "ways"), [
     ({"home": constant(0.0), "shelf": constant(0.8)}, (near("home"), near("shelf"))),
-    ({"home": GIVEN, "shelf": GIVEN}, (near("home"), near("shelf", within_m=2))),
+    ({"home": GIVEN, "shelf": GIVEN}, (near("home"), near("home", within_m=2), near("shelf"))),
     ({"home": GIVEN, "shelf": constant(3.0)}, (near("home"), near("shelf"))),
     ({"home": GIVEN, "shelf": GIVEN}, (near("home"), near("shelf"), near("shelf", "home"))),
     ({"home": GIVEN, "cup": POSE}, (near("home"), near("cup"))),
@@ -120,8 +136,8 @@ def test_a_reading_that_is_kept_or_a_place_that_a_result_brings_is_named() -> No
     assert "pose" in proof.sampled
 
 
-def drawn_guard(chance: Random, names: tuple[str, ...]) -> Json:
-    one, other = (near(chance.choice([*names, "target"])) for _ in range(2))
+def drawn_guard(chance: Random, distances: dict[str, float]) -> Json:
+    one, other = (near(place, within_m=distances[place]) for place in chance.choices([*distances], k=2))
     return {chance.choice(["all", "any"]): [one, chance.choice([other, {"not": other}])]}
 
 
@@ -129,10 +145,13 @@ def drawn_guard(chance: Random, names: tuple[str, ...]) -> Json:
 def test_no_run_among_any_places_reaches_what_a_proof_calls_out_of_reach(seed: int) -> None:
     chance = Random(seed)
     names, states = ("a", "b", "c")[: 1 + seed % 3], ("s0", "s1", "s2", "s3")
+    is_copied = seed < 8
+    copied = dict.fromkeys((*names, "target"), 0.5)
+    distances = copied if is_copied else {name: chance.uniform(0.2, 1) for name in names}
 
     def way() -> Json:
-        do = [{"set": "target", "from": chance.choice(names)}] if chance.random() < 0.5 else []
-        return {"on": "look", "when": drawn_guard(chance, names), "to": chance.choice([*states, "over"]), "do": do}
+        do = [{"set": "target", "from": chance.choice(names)}] if is_copied and chance.random() < 0.5 else []
+        return {"on": "look", "when": drawn_guard(chance, distances), "to": chance.choice([*states, "over"]), "do": do}
 
     mission = Mission.model_validate({
         "format": 1, "name": "drawn", "initial": "s0", "events": ["look"],
