@@ -134,7 +134,7 @@ class TalkDoors:
         doors: Each has a channel of its own.
 
     Raises:
-        UsageError: One is no door.
+        UsageError: One is no door, or has the channel of another that is open.
     """
 
     def __init__(self, doors: Sequence[TalkDoor] = ()) -> None:
@@ -143,13 +143,16 @@ class TalkDoors:
             self.add(door)
 
     def add(self, door: TalkDoor) -> None:
-        """Have one more; another of its channel is replaced.
+        """Have one more, in the place of one of its channel that is shut.
 
         Raises:
-            UsageError: It is no door.
+            UsageError: It is no door, or its channel has one that is open: an answer could not go to both.
         """
         if absent := next((each for each in DOOR if lacks(door, each)), ""):
             raise UsageError(f"{shown(door)} is no door: it lacks '{absent}'; a door has {', '.join(DOOR)}")
+        other = self._doors.get(door.channel, door)
+        if other is not door and _is_open(other):
+            raise UsageError(f"the channel {shown(door.channel)} has an open door; give this one a channel of its own")
         self._doors = {**self._doors, door.channel: door}
 
     @property

@@ -39,6 +39,10 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
     "a name as a door": (lambda: agent(doors=["terminal"]), f"'terminal' is no door: it lacks 'channel'; {DOOR}"),
     "a door without its list": (lambda: agent(doors=SCREEN), "doors are a list, [door], not <rai_missions"),
     "a later door": (lambda: agent().add_door(7), f"7 is no door: it lacks 'channel'; {DOOR}"),  # type: ignore[arg-type]
+    "a second door of a channel": (
+        lambda: agent(doors=[SCREEN, TextDoor("terminal", lambda line: None)]),
+        "the channel 'terminal' has an open door; give this one a channel of its own",
+    ),
     "a role": (lambda: received(role="operatr"), "no role 'operatr'; did you mean 'operator'?"),
     "no text": (lambda: received(text=b"pause"), "a sentence is a text, not b'pause'"),
 }
