@@ -200,7 +200,7 @@ class StepCircles:
 
 
 def _ordered(value: Any) -> Any:
-    return sorted(value.items(), key=lambda item: str(item[0])) if isinstance(value, Mapping) else value
+    return sorted(value.items(), key=lambda item: str(item[0])) if isinstance(value, dict) else value
 
 
 def _many(things: Iterable[Any]) -> list[tuple[Any, int]]:
