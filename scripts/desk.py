@@ -24,7 +24,7 @@ STATES = {
     "looking_first": "the camera looks until it is sure of every thing",
     "moving": "the arm makes the first move of the plan",
     "looking": "the camera looks again",
-    "putting_back": "what is still held goes back",
+    "putting_aside": "what is still held is set down where it is free",
     "done": "it is as wanted, by the camera",
 }
 """States of the mission that are printed → in words."""

@@ -147,7 +147,6 @@ def arranging() -> dict[str, State]:
                 When(~k.objects.fresh, to="sightless"),
                 When(REACHED, to="settling"),
                 When((k.moves >= MOST_MOVES) | (k.failures >= MOST_FAILURES), to="gave_up"),
-                When((k.objects.gripper == "holding") & (k.moves > 0), to="putting_back"),
                 When(~REACHED, to="planning"),
                 After(10, to="planning"),
             ],
@@ -165,9 +164,10 @@ def arranging() -> dict[str, State]:
             k.sentence,
             over=k.objects,
             into=k.reading,
-            about="all of them were meant: what was hidden at first, too",
+            about="what was hidden at first, or in the hand, may be meant, too",
             transitions=[
                 On("succeeded", to="comparing", do=[Set(k.wanted, from_=k.reading.goal)]),
+                On("unclear", when=Fresh(k.plan.aside) & (k.moves == 0), to="asking"),
                 On(
                     "unclear",
                     "refused",
@@ -238,11 +238,17 @@ def arranging() -> dict[str, State]:
                                 [
                                     tree.Set(k.place_refused, True),
                                     tree.SuccessIsFailure(
-                                        tree.Action(
-                                            "place",
-                                            goal={**move, "pose": k.plan.next.pick},
-                                            timeout_s=40,
-                                            name="put back",
+                                        tree.Selector(
+                                            [
+                                                tree.Action(
+                                                    "place", goal={**move, "pose": pose}, timeout_s=40, name=name
+                                                )
+                                                for name, pose in (
+                                                    ("put back", k.plan.next.pick),
+                                                    ("put aside", k.plan.next.spare),
+                                                )
+                                            ],
+                                            memory=True,
                                         )
                                     ),
                                 ],
@@ -253,7 +259,7 @@ def arranging() -> dict[str, State]:
                     ),
                 ]
             ),
-            about="the next move of the plan: picked, held, and set down",
+            about="the next move of the plan: picked, held, and set down there, or where it was, or where it is free",
             entry=[Set(k.place_refused, False)],
             timeout_s=120,
             transitions=[
@@ -261,29 +267,20 @@ def arranging() -> dict[str, State]:
                 On(*TROUBLE, to="looking", do=[Set(k.failures, add=1)]),
             ],
         ),
-        "putting_back": Tree(
-            tree.Selector(
-                [
-                    tree.Action("place", goal={**move, "pose": k.plan.next.pick}, timeout_s=40, name="put back"),
-                    tree.Action("place", goal={**move, "pose": k.plan.next.spare}, timeout_s=40, name="put aside"),
-                ],
-                memory=True,
-            ),
-            about="what the gripper still holds goes back to where it was taken from, or to a place that is free",
-            timeout_s=90,
-            transitions=[
-                On("succeeded", to="looking"),
-                On(*TROUBLE, to="looking", do=[Set(k.failures, add=1)]),
-            ],
-        ),
         "putting_aside": Tree(
             tree.Sequence(
-                [tree.Action("place", goal={"object": "held", "pose": k.plan.aside}, timeout_s=40), tree.Wait(1.6)]
+                [
+                    tree.FailureIsSuccess(
+                        tree.Action("place", goal={"object": "held", "pose": k.plan.aside}, timeout_s=40)
+                    ),
+                    tree.Wait(1.6),
+                ]
             ),
-            about="what an earlier run left in the hand is set down where it is free; then the request is read again",
+            about="what is in the hand is set down where it is free, and the camera looks",
             timeout_s=90,
             transitions=[
-                On("succeeded", *TROUBLE, to="reading", do=[Set(k.failures, add=1)]),
+                On("succeeded", *TROUBLE, when=k.moves == 0, to="reading_again", do=[Set(k.failures, add=1)]),
+                On("succeeded", *TROUBLE, to="judging", do=[Set(k.failures, add=1)]),
             ],
         ),
         "looking": State(

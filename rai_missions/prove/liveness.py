@@ -19,15 +19,18 @@ from rai_missions.engine.transitions import Graph
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.parts import parts, texts_in
 from rai_missions.states.compound import Each
+from rai_missions.states.decision import Option
 from rai_missions.states.effects import Effect, Set
 from rai_missions.states.state import State
-from rai_missions.states.tree.leaves import ActionLeaf
+from rai_missions.states.tree.leaves import ActionLeaf, SetLeaf
 
 __all__ = ("ALL", "Later", "LiveReads", "LooksAhead")
 
 REMEMBERED = 4096
 """Of so many configurations it is remembered what makes a difference."""
 PLAIN = (bool, int, float, str, list)
+KINDS: Mapping[str, type] = {"string": str, "object": Mapping, "boolean": bool}
+"""Types of keys that any value of the same type of JSON fits."""
 NONE: frozenset[str] = frozenset()
 ANSWER, ALL = "answer", "*"
 """The name of the answer in hand, and what represents all of its parameters."""
@@ -58,6 +61,33 @@ def _staying(transition: CompiledTransition) -> tuple[Node, ...]:
             transition.source.ancestors,
         )
     )
+
+
+def _is_no_look(part: object, field: str) -> bool:
+    """Whether a field names keys by chance, or to no effect.
+
+    So do what a question shows, the schema of an answer, and what a leaf of a tree writes over.
+    """
+    return (
+        field == "evidence"
+        or (field == "parameters" and isinstance(part, Option))
+        or (field == "set" and isinstance(part, SetLeaf) and part.add is None)
+    )
+
+
+def _must_bring(option: Option | None, name: str, kind: str) -> bool:
+    """Whether answers that choose an option always have a parameter, and it is of a type."""
+    schema = (option.parameters if option is not None else None) or {}
+    return name in schema.get("required", ()) and _kinds((schema.get("properties") or {}).get(name)) == {kind}
+
+
+def _kinds(schema: Any) -> set[str]:
+    """The types that a part of a schema allows, as far as it names them; `any` where it does not."""
+    if not isinstance(schema, Mapping):
+        return {"any"}
+    found = schema.get("type", [])
+    either = schema.get("anyOf") or schema.get("oneOf") or ()
+    return {found} if isinstance(found, str) else {*found} or set[str]().union(*map(_kinds, either)) or {"any"}
 
 
 def _parameter(path: str) -> str:
@@ -128,7 +158,7 @@ class LiveReads:
     """
 
     def __init__(self, mission: Mission, graph: Graph, terms: RobotFacts, *, reads_all: bool = False) -> None:
-        self._keys = frozenset(mission.blackboard)
+        self._blackboard, self._keys = mission.blackboard, frozenset(mission.blackboard)
         given = [mission.invariants, terms.succeeded, terms.failed]
         self._always = self._keys if reads_all else frozenset(self._mentions(given))
         self._graph = graph
@@ -236,11 +266,8 @@ class LiveReads:
                 yield from self._mentions(effect)
 
     def _mentions(self, value: Any) -> Iterator[str]:
-        """Every key, and every path into one, that appears anywhere in a part of a mission but as evidence.
-
-        What a question shows makes no difference to what becomes of it.
-        """
-        for text in texts_in(value, without="evidence"):
+        """Every key, and every path into one, that anything in a part of a mission looks at."""
+        for text in texts_in(value, without=_is_no_look):
             root = text.partition(".")[0]
             if root in self._keys or root == ANSWER:
                 yield text
@@ -282,11 +309,33 @@ class LiveReads:
         written = {
             effect.set
             for effect in definition.do
-            if isinstance(effect, Set) and effect.add is None and effect.source is None
+            if isinstance(effect, Set)
+            and effect.add is None
+            and (effect.source is None or self._is_known(effect.source, effect.set, transition))
         }
         later = self._once_in(transition.targets, _staying(transition))
         recalled = {RECALL + target.name for target in transition.targets if target.is_history}
         return frozenset(reads | recalled) | {word for word in later if _root(word) not in written}
+
+    def _is_known(self, source: str, key: str, transition: CompiledTransition) -> bool:
+        """Whether what a transition copies to a key is there in every run, and fits: then the key is written.
+
+        So it is with what an answer must bring, and with what is known in all that a state can work out.
+        """
+        root, _, path = source.partition(".")
+        definition, written = transition.definition, self._blackboard[key]
+        node = transition.source if definition.of is None else self._graph.nodes[definition.of]
+        state, named = node.state, definition.on or ()
+        is_plain = written.type in KINDS and not (written.frame or written.fields)
+        if state is None or not (is_plain and named and transition.outcomes.issuperset(named)):
+            return False
+        if root == ANSWER and root not in self._keys:
+            return all(_must_bring(state.options.get(each), path, written.type) for each in named)
+        is_its_own = root == getattr(state, "into", "") and state.computed().issuperset(named)
+        if not is_its_own or any(effect.set == root for effect in definition.do if isinstance(effect, Set)):
+            return False
+        examples = [each for name in named for each in state.worked_out(name) or ({},)]
+        return all(isinstance(each.get(path), KINDS[written.type]) for each in examples)
 
     def _once_in(self, targets: Iterable[Node], kept: Collection[Node] = ()) -> frozenset[str]:
         """What makes a difference once these are entered, where some states around them stay active."""

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, TypeVar
 
 from pydantic import BaseModel
@@ -51,18 +51,18 @@ def own_parts(state: State | None) -> list[Any]:
     return [getattr(state, field) for field in fields if field not in ("states", "parallel")]
 
 
-def texts_in(value: Any, *, without: str = "") -> Iterator[str]:
+def texts_in(value: Any, *, without: Callable[[BaseModel, str], bool] = lambda part, field: False) -> Iterator[str]:
     """Every text in a part of a mission, names in its mappings included.
 
     Args:
         value: The part.
-        without: A field that is left out, wherever it is.
+        without: Whether a field of a model is left out.
     """
     if isinstance(value, str):
         yield value
     elif isinstance(value, BaseModel):
         for name, part in vars(value).items():
-            if name != without:
+            if not without(value, name):
                 yield from texts_in(part, without=without)
     elif isinstance(value, Mapping):
         for part in (*value, *value.values()):
