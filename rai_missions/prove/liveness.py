@@ -17,7 +17,7 @@ from rai_missions.engine.nodes import CompiledTransition, Node
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.transitions import Graph
 from rai_missions.mission.mission import Mission
-from rai_missions.prove.parts import parts, texts_in
+from rai_missions.prove.parts import parts, texts_in, writes_in
 from rai_missions.states.compound import Each
 from rai_missions.states.decision import Option
 from rai_missions.states.effects import Effect, Set
@@ -159,6 +159,7 @@ class LiveReads:
 
     def __init__(self, mission: Mission, graph: Graph, terms: RobotFacts, *, reads_all: bool = False) -> None:
         self._blackboard, self._keys = mission.blackboard, frozenset(mission.blackboard)
+        self._set = {effect.set for effect in writes_in(mission)}
         given = [mission.invariants, terms.succeeded, terms.failed]
         self._always = self._keys if reads_all else frozenset(self._mentions(given))
         self._graph = graph
@@ -320,7 +321,8 @@ class LiveReads:
     def _is_known(self, source: str, key: str, transition: CompiledTransition) -> bool:
         """Whether what a transition copies to a key is there in every run, and fits: then the key is written.
 
-        So it is with what an answer must bring, and with what is known in all that a state can work out.
+        So it is with what an answer must bring, and with what is known in all that a state can work out. Not so where
+        an effect writes that too: its transition may come ahead of the outcome.
         """
         root, _, path = source.partition(".")
         definition, written = transition.definition, self._blackboard[key]
@@ -332,7 +334,7 @@ class LiveReads:
         if root == ANSWER and root not in self._keys:
             return all(_must_bring(state.options.get(each), path, written.type) for each in named)
         is_its_own = root == getattr(state, "into", "") and state.computed().issuperset(named)
-        if not is_its_own or any(effect.set == root for effect in definition.do if isinstance(effect, Set)):
+        if not is_its_own or root in self._set:
             return False
         examples = [each for name in named for each in state.worked_out(name) or ({},)]
         return all(isinstance(each.get(path), KINDS[written.type]) for each in examples)

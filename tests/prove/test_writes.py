@@ -66,6 +66,32 @@ def reading(*outcomes: str) -> Json:
     return document | {"initial": "reading_it"}
 
 
+def spoiling(place: str) -> Json:
+    """A mission in which a transition that leaves no state writes over a reading, ahead of its outcome."""
+    again = {
+        "when": {"all": [{"fresh": "reading.reason"}, {"key": "is_spoiled", "==": False}]},
+        "do": [{"set": "reading", "from": "other"}, {"set": "is_spoiled", "value": True}],
+    }
+    document, over = reading("succeeded"), {"transitions": [{"after_s": 1, "to": "refused"}]}
+    document["blackboard"] |= {
+        "other": {"type": "object", "initial": {"x": 1}}, "is_spoiled": {"type": "boolean", "initial": False},
+    }  # fmt: skip
+    document["events"] = {"one": {}, "two": {}, "go": {}}
+    put = [{"on": on, "to": "resting", "do": [{"set": "wanted", "value": {"n": on}}]} for on in ("one", "two")]
+    kept = {"all": [{"key": "wanted.n", "==": "two"}, {"not": {"fresh": "reading.goal"}}]}
+    asking = document["states"]["reading_it"]
+    asking["transitions"][0]["to"] = "judging"
+    judging = {"transitions": [{"when": kept, "to": "odd"}, *over["transitions"]]}
+    around: Json = {"initial": "reading_it", "states": {"reading_it": asking, "judging": judging}}
+    document["states"] = {
+        "first": {"transitions": put}, "resting": {"transitions": [{"on": "go", "to": "around"}]}, "around": around,
+        "odd": over, "refused": {"final": "aborted"},
+    }  # fmt: skip
+    at = {"mission": document, "parent": around, "state": asking}[place]
+    at["transitions"] = [again, *at.get("transitions", [])]
+    return {**document, "initial": "first", "invariants": {}}
+
+
 def ticking(leaf: Json) -> Json:
     """A mission with a tree that writes, and a guard that reads."""
     document = asking(WORD, tree={"sequence": [leaf, {"wait_s": 1}]})
@@ -87,6 +113,9 @@ WRITING: tuple[tuple[Json, str, str, bool], ...] = (
     (asking({**WORD, "properties": {"word": STRING_OR_NUMBER}}), "asking", "word", True),
     (reading("succeeded"), "reading_it", "wanted", False),
     (reading("succeeded", "unclear"), "reading_it", "wanted", True),
+    (spoiling("state"), "reading_it", "wanted.n", True),
+    (spoiling("parent"), "reading_it", "wanted.n", True),
+    (spoiling("mission"), "reading_it", "wanted.n", True),
     (ticking({"set": "word", "value": "two"}), "judging", "word", False),
     (ticking({"set": "n", "add": 1}), "judging", "n", True),
 )  # fmt: skip
