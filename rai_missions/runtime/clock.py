@@ -16,6 +16,9 @@ from rai_missions.runtime.mailbox import Mailbox
 
 __all__ = ("Clock", "ContinuedClock", "PublishedClock", "SimulatedClock", "Steppable", "WallClock")
 
+WHOLE_TIME: int = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
+"""What counts a suspension as well: Linux has a clock for it, in macOS the monotonic one does."""
+
 
 @runtime_checkable
 class Clock(Protocol):
@@ -45,10 +48,10 @@ class WallClock:
     """Real time, that in which the machine is suspended included; a new time of day does not move it."""
 
     def __init__(self) -> None:
-        self._start = time.clock_gettime(time.CLOCK_BOOTTIME)
+        self._start = time.clock_gettime(WHOLE_TIME)
 
     def now(self) -> float:
-        return time.clock_gettime(time.CLOCK_BOOTTIME) - self._start
+        return time.clock_gettime(WHOLE_TIME) - self._start
 
     def wait(self, mailbox: Mailbox, until: float, *, paced: bool) -> None:
         mailbox.wait(None if until == math.inf else max(0.0, until - self.now()))

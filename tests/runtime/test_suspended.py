@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -79,3 +81,11 @@ def test_the_time_of_a_suspension_has_passed(
     assert [each.outcome for each in results] == [
         "canceled" if not slept_s else "failed" if after_s < slept_s else "aborted"
     ]
+
+
+def test_a_run_has_a_clock_where_the_system_has_none_of_that_name() -> None:
+    """macOS counts a suspension in its monotonic clock."""
+    program = (
+        "import time; del time.CLOCK_BOOTTIME; from rai_missions.runtime.clock import WallClock; WallClock().now()"
+    )
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
