@@ -23,24 +23,33 @@ pytestmark = pytest.mark.sim
 RED_ON_BLUE, BLUE_ON_RED = "put the red cube on the blue cube", "put the blue cube on the red cube"
 RED_AWAY, SWAPPED = "put the red cube at x 0.4 y 0.0", "swap the red cube and the blue cube"
 PLACE_M = 0.03
+Meant = Callable[[DeskTruth, DeskTruth], bool]
 
 
-def rests(upper: str, lower: str) -> Callable[[DeskTruth], bool]:
-    def is_so(truth: DeskTruth) -> bool:
+def rests(upper: str, lower: str) -> Meant:
+    def is_so(before: DeskTruth, truth: DeskTruth) -> bool:
         return truth.touch(upper, lower) and truth.things[upper].z > truth.things[lower].z
 
     return is_so
 
 
-def is_away(truth: DeskTruth) -> bool:
+def is_away(before: DeskTruth, truth: DeskTruth) -> bool:
     red = truth.things["red_cube"]
     return abs(red.x - 0.4) < PLACE_M and abs(red.y) < PLACE_M
 
 
-MEANT: Mapping[str, Callable[[DeskTruth], bool]] = {
+def is_swapped(before: DeskTruth, truth: DeskTruth) -> bool:
+    """The two lie apart, or in the other order where one lay on the other."""
+    is_upper = [each.things["red_cube"].z > each.things["blue_cube"].z for each in (before, truth)]
+    touching = [each.touch("red_cube", "blue_cube") and not each.held for each in (before, truth)]
+    return touching[0] == touching[1] and (not touching[0] or is_upper[0] != is_upper[1])
+
+
+MEANT: Mapping[str, Meant] = {
     RED_ON_BLUE: rests("red_cube", "blue_cube"), BLUE_ON_RED: rests("blue_cube", "red_cube"), RED_AWAY: is_away,
-    SWAPPED: lambda truth: not truth.touch("red_cube", "blue_cube"),
+    SWAPPED: is_swapped,
 }  # fmt: skip
+"""A request → whether it is so at its end; given the truth at its beginning as well."""
 Orders = Sequence[tuple[float, str]]
 """Seconds after the beginning of a run → the command of an operator."""
 
@@ -75,9 +84,10 @@ def asked(*requests: tuple[str, Orders]) -> list[End]:
             prepared = prepare_next(prepared, replace(config, arguments={"request": request}))
         steps.clear()
         waiting[:] = [(prepared.runner.view.now() + at, command) for at, command in orders]
+        before = world.truth()
         outcome, truth = prepared.runner.run().outcome, world.truth()
         moves = sum("moving" in step.entered for step in steps)
-        ends.append(End(outcome, MEANT[request](truth), truth.held, moves))
+        ends.append(End(outcome, MEANT[request](before, truth), truth.held, moves))
     prepared.close()
     return ends
 
