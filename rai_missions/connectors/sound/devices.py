@@ -8,6 +8,7 @@ PortAudio ends a stream that it cannot recover after an underrun: it is opened a
 
 from __future__ import annotations
 
+import atexit
 import threading
 import time
 from collections import deque
@@ -26,6 +27,8 @@ WAITING = 100
 """Frames that may wait for those who listen, 3 s; then the oldest is dropped."""
 AGAIN_S = 1.0
 """How long after a device could not be opened again it is tried once more."""
+CLOSES_S = 5.0
+"""How long a device may take to end."""
 AHEAD = 2
 """Frames of a source that wait to be played; where none waits, silence is played and the source continues after it."""
 LATE_S, SHARE = 0.2, 0.05
@@ -72,9 +75,11 @@ class DeviceSound(FrameLoop):
         with self._lock:
             self._is_wanted = False
             stream, self._stream = self._stream, None
-        _close(stream)
         if self._frames is not None:
-            self._frames.close(2.0)
+            self._frames.post(lambda: _close(stream))
+            if not self._frames.close(CLOSES_S):  # the sound system hangs, and would keep the program from its end
+                log.warning("the sound device does not end within %g s, and is left", CLOSES_S)
+                atexit.unregister(_library()._exit_handler)  # noqa: SLF001 - it waits for the same device, for ever
 
     def _opened(self, library: ModuleType) -> Any:
         try:
@@ -108,14 +113,18 @@ class DeviceSound(FrameLoop):
             if not self._is_wanted:
                 return
             stream, self._stream = self._stream, None
+        _close(stream)
+        try:
+            stream = self._opened(_library())
+        except ConnectorError as error:
+            log.warning("%s; it is tried again", error)
+        else:
+            with self._lock:
+                if self._is_wanted:
+                    self._stream, stream = stream, None
             _close(stream)
-            try:
-                self._stream = self._opened(_library())
-            except ConnectorError as error:
-                log.warning("%s; it is tried again", error)
-            else:
-                log.warning("the sound device ended, and was opened again")
-                return
+            log.warning("the sound device ended, and was opened again")
+            return
         if self._frames is not None:
             self._frames.after(AGAIN_S, self._reopen)
 

@@ -11,6 +11,7 @@ import json
 import multiprocessing
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -18,6 +19,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -41,6 +43,12 @@ pytestmark = [
 
 @pytest.fixture(scope="module")
 def null_sinks() -> Iterator[None]:
+    with null_server():
+        yield
+
+
+@contextmanager
+def null_server() -> Iterator[subprocess.Popen[bytes]]:
     """PulseAudio with the null sinks `speaker` and `microphone`; what is played into the latter is recorded."""
     folder = Path(tempfile.mkdtemp(prefix="sound-"))
     socket = folder / "native"
@@ -73,7 +81,7 @@ def null_sinks() -> Iterator[None]:
         )
         if not answered:
             pytest.skip("PulseAudio does not start here")
-        yield
+        yield server
     finally:
         server.terminate()
         server.wait(10)
@@ -153,3 +161,35 @@ def test_what_is_spoken_into_the_microphone_is_printed(null_sinks: None) -> None
         listening.terminate()
         player.wait(30)
     assert found["text"] == "cancel the mission"
+
+
+ENDS = """
+import sys
+from rai_missions.connectors.sound.devices import DeviceSound
+from tests.connectors.sound.test_sound import waited
+sound = DeviceSound("pulse", "pulse")
+sound.start()
+waited(sound, 3)
+print("sounds", flush=True)
+sys.stdin.readline()
+sound.stop()
+"""
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("how", [signal.SIGSTOP, signal.SIGTERM, signal.SIGKILL])
+def test_a_program_ends_where_its_sound_system_hangs_or_has_died(how: int) -> None:
+    with (
+        null_server() as server,
+        subprocess.Popen([sys.executable, "-c", ENDS], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as program,
+    ):
+        assert program.stdin is not None
+        assert program.stdout is not None
+        assert program.stdout.readline() == b"sounds\n"
+        server.send_signal(how)
+        try:
+            program.communicate(b"\n", timeout=30)
+        finally:
+            program.kill()
+            server.kill()
+    assert program.returncode == 0
