@@ -65,7 +65,8 @@ class Goals:
         """Composed actions whose `start` has not been answered: it may take effect after a later `cancel`."""
         self._is_closed = False
         self._lock = threading.Lock()
-        self._ending: set[int] = set()
+        self._ending: set[object] = set()
+        """Orders to end a composed action that have no answer yet; there may be two for one."""
         self._behind: list[Callable[[], None]] = []
 
     def goal_id(self, number: int, owner: str) -> str:
@@ -148,26 +149,28 @@ class Goals:
         elif entry.cancel is None:
             self._end(effect.number, "canceled", {})
         else:
-            self._call_cancel(entry.cancel, effect.number, lambda outcome, why: self._canceled(effect, outcome, why))
+            is_early = effect.number in self._starting  # it may come ahead of the start; after that there is another
+            self._call_cancel(entry.cancel, partial(self._canceled, effect, is_early))
 
-    def _call_cancel(self, cancel: ServiceEntry, number: int, on_end: Callable[[str, str], object]) -> None:
+    def _call_cancel(self, cancel: ServiceEntry, on_end: Callable[[str, str], object]) -> None:
         """Call what ends a composed action; other calls wait meanwhile."""
         assert self._connector is not None
+        order = object()
 
         def answered(reply: Reply) -> None:
             try:
                 on_end(*outcome_of(cancel, reply))
             finally:
-                self._let_others_call(number)
+                self._let_others_call(order)
 
         with self._lock:
-            self._ending.add(number)
+            self._ending.add(order)
         try:
             self._connector.call(
                 cancel.service, cancel.type, cancel.request_of({}), timeout_s=CANCELED_S, on_reply=answered
             )
         except Exception:
-            self._let_others_call(number)
+            self._let_others_call(order)
             raise
 
     def behind_cancels(self, call: Callable[[], None]) -> None:
@@ -182,9 +185,9 @@ class Goals:
                 return
         call()
 
-    def _let_others_call(self, number: int) -> None:
+    def _let_others_call(self, order: object) -> None:
         with self._lock:
-            self._ending.discard(number)
+            self._ending.discard(order)
             behind, self._behind = (self._behind, []) if not self._ending else ([], self._behind)
         for call in behind:
             call()
@@ -252,7 +255,7 @@ class Goals:
             on_answer(False)
             return
         try:
-            self._call_cancel(entry.cancel, effect.number, lambda outcome, why: on_answer(outcome == "succeeded"))
+            self._call_cancel(entry.cancel, lambda outcome, why: on_answer(outcome == "succeeded"))
         except Exception:  # noqa: BLE001 - a connector is not trusted to behave
             on_answer(False)
 
@@ -263,11 +266,11 @@ class Goals:
             with suppress(Exception):  # a connector is not trusted to behave
                 self.cancel(CancelGoal(effect.number, effect.action))
 
-    def _canceled(self, cancel: CancelGoal, outcome: str, why: str) -> None:
+    def _canceled(self, cancel: CancelGoal, is_early: bool, outcome: str, why: str) -> None:
         number, action = cancel
         if outcome == "failed":
             self._on_event("refused", action, number, {"why": why} if why else {})
-        elif outcome == "succeeded" and number not in self._starting:
+        elif outcome == "succeeded" and not is_early:
             self._end(number, "canceled", {})
 
     def _reported(self, entry: ActionEntry, effect: StartGoal, goal_id: str, report: Report) -> None:

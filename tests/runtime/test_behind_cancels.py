@@ -104,3 +104,18 @@ def test_a_start_whose_server_vanished_has_ended_once_the_robot_has_answered_its
     assert robot.asked[-1] == "/halt" and reported == ["accepted", "drive"], "it may be under way"
     robot.answered["/halt"](DONE)
     assert reported == ["accepted", "drive", "rejected", "drive"]
+
+
+def test_a_goal_whose_end_was_ordered_twice_has_ended_with_the_last_answer() -> None:
+    """The first order may have reached the robot ahead of the start; the second ends what comes behind it."""
+    goals, robot, reported = driving()
+    goals.start(StartGoal(2, "driving", "drive", {}))
+    goals.cancel(CancelGoal(2, "drive"))
+    first = robot.answered["/halt"]
+    robot.answered["/drive"](DONE)
+    goals.cancel(CancelGoal(2, "drive"))
+    goals.behind_cancels(lambda: robot.asked.append("/turn_back"))
+    first(DONE)
+    assert "canceled" not in reported and robot.asked[-1] == "/halt"
+    robot.answered["/halt"](DONE)
+    assert reported[-1] == "canceled" and robot.asked[-1] == "/turn_back"
