@@ -33,6 +33,8 @@ LONGEST_ALARM = 10
 LEAST_REFUSALS = 3
 """How often a no is cried with which a person refuses what the robot does."""
 LETTERS = re.compile(r"[^\W\d_]+")
+CRY = re.compile(r"^\W*\w+\W*")
+"""The first word of a text, with the signs around it."""
 DRAWN_OUT = re.compile(r"([^\W\d_]{1,9}?)\1{2,}")
 """What is written as often as it is cried, thrice at least: a letter of `stooop`, the word of `stopstopstop`."""
 
@@ -70,18 +72,20 @@ class Grammar:
         """
         text = self._unrepeated(text)
         words = self.language.normaliser.words(text)
+        if self.language.warnings["admiring"].fits(words):
+            text = CRY.sub("", text)  # that `whoa` stops nothing; what is behind it may
+            words = self.language.normaliser.words(text)
         whole = self.sentence.senses(words, view, draft)
         is_open = _is_open(whole)
         corrected = self._corrected_within(words, view) if is_open else ()
         is_list = is_open or all(sense.kind == "order" and sense.name in self.language.orders for sense in whole)
-        is_admiring = self.language.warnings["admiring"].fits(words)
-        several = corrected or (self._lists.senses(text, view, whole) if is_list and not is_admiring else ())
+        several = corrected or (self._lists.senses(text, view, whole) if is_list else ())
         if several and not is_open:
             return several
         parts = self.language.normaliser.parts(text) if is_open and not several else []
         edges = self._edges(text, view) if is_open else []
         is_stop = any(sense.is_stop for sense in several)
-        is_urgent = is_open and not is_stop and not is_admiring
+        is_urgent = is_open and not is_stop
         if is_urgent and (self._is_cried(text, words, edges, view) or self._is_stop_passed_on(words, view)):
             return (STOP,)
         if is_urgent and is_typed and self._is_alarmed(text, words, edges, view):

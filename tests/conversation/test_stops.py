@@ -49,13 +49,14 @@ HARM = {
         "why won't you stop", "what are you doing, stop that thing", "I yelled stop, are you deaf?",
         "stop for goodness sake it's burning", "you stop", "watch where you're going", "stay right where you are",
         "it's going to run over the dog, someone halt that thing", "freeze for a bit",
+        "Whoa this is a pretty narrow door, stop!", "Whoa, you are going to hit that beautiful vase",
     ),
     "de": (
         "du stehst auf meinem Fuß", "du rammst gleich den Schrank", "gleich kippt die Vase um", "Aua, mein Fuß!",
         "das Kind!!", "weg von dem Kind", "aufhören", "schalt das ab", "stoppt das Ding",
         "rühr dich nicht",
         "kann den mal jemand anhalten", "du stehen bleiben", "Ich sagte stopp, hörst du nicht?",
-        "Bleib mal kurz stehen",
+        "Bleib mal kurz stehen", "Wow, stopp!", "Hui, das ist schön, halt an!", "Boah, du überfährst die Katze!",
     ),
 }  # fmt: skip
 """Alarms without the word to stop at their beginning, and stops for a while: to stop is the safe reading of both."""
