@@ -263,3 +263,20 @@ def test_a_step_that_replaces_a_value_is_made_once_whatever_it_was() -> None:
         return space.made
 
     assert made("a", "b", "c") == made("a", "b") + 1
+
+
+def test_a_step_that_looks_at_a_value_and_replaces_it_is_made_for_each() -> None:
+    put = [{"on": each, "to": "one", "do": [{"set": "last", "value": each}]} for each in ("a", "b")]
+    again = {"set": "last", "value": "a"}
+    proof = prove(Mission.model_validate({
+        "format": 1, "name": "replaced", "initial": "one", "events": {each: {} for each in ("a", "b", "go")},
+        "blackboard": {"last": {"type": "string", "initial": "a"}},
+        "states": {
+            "one": {"transitions": [
+                *put, {"on": "go", "when": {"key": "last", "==": "a"}, "to": "two", "do": [again]},
+                {"on": "go", "to": "three", "do": [again]},
+            ]},
+            **{key: {"transitions": [{"on": "go", "to": "over"}]} for key in ("two", "three")}, "over": OVER,
+        },
+    }))  # fmt: skip
+    assert proof.never == ()
