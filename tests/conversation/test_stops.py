@@ -50,6 +50,7 @@ HARM = {
         "stop for goodness sake it's burning", "you stop", "watch where you're going", "stay right where you are",
         "it's going to run over the dog, someone halt that thing", "freeze for a bit",
         "Whoa this is a pretty narrow door, stop!", "Whoa, you are going to hit that beautiful vase",
+        "whoa you almost hit my lovely vase", "whoa that is pretty close",
     ),
     "de": (
         "du stehst auf meinem Fuß", "du rammst gleich den Schrank", "gleich kippt die Vase um", "Aua, mein Fuß!",
@@ -66,6 +67,7 @@ NO_HARM = {
         "they will hit the road at nine", "Ouch, that was a bad joke", "that's enough sugar for me",
         "turn it down a bit",
         "why won't the rain stop?", "someone stop the music", "Whoa, that is a nice robot", "whoa this is cool",
+        "Whoa, you look really great", "whoa what a pretty nice garden", "whoa, I like it",
         "no, no, I like it", "my foot hurts today", "The cat is so cute!", "I shouted that we should stop at the shop",
         "he is going to crash at my place tonight", "it is falling asleep", "switch off the tv please",
     ),
