@@ -37,6 +37,8 @@ CRY = re.compile(r"^\W*\w+\W*")
 """The first word of a text, with the signs around it."""
 DRAWN_OUT = re.compile(r"([^\W\d_]{1,9}?)\1{2,}")
 """What is written as often as it is cried, thrice at least: a letter of `stooop`, the word of `stopstopstop`."""
+STUTTERED = re.compile(r"\b([^\W\d_]{1,3})(?:-+ ?\1)*-+ ?(?=\1)", re.IGNORECASE)
+"""The beginning of a word that is written ahead of it: `st-` of `st-stop`."""
 
 
 class Grammar:
@@ -130,8 +132,8 @@ class Grammar:
         return tuple(self.sentence.options.by_sense(self._unrepeated(text), view))
 
     def _unrepeated(self, text: str) -> str:
-        """A sentence that repeats words or letters for emphasis, with them once: `go!` of `go, go, gooo!`."""
-        text = LETTERS.sub(lambda word: self._undrawn(word[0]), text)
+        """A sentence that repeats words, letters or beginnings, with them once: `go!` of `go, g-go, gooo!`."""
+        text = LETTERS.sub(lambda word: self._undrawn(word[0]), STUTTERED.sub("", text))
         words = self.language.normaliser.words(text)
         once_only, sign = unrepeated(words), text.rstrip()[-1:]
         return text if once_only == words else " ".join(once_only) + ("" if sign.isalnum() else sign)

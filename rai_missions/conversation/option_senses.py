@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
+from itertools import takewhile
 
 from rai_missions.conversation.language import Language, language, languages, spoken
 from rai_missions.engine.decision import Offer
@@ -78,8 +79,8 @@ class OptionSenses:
 
     def _may_begin(self, words: Sequence[str], at: int) -> bool:
         """Whether what is advised may begin at a word: ahead of others, behind a statement, or behind what advises."""
-        before = words[:at]
-        if self._negations & set(before):
+        before, clause = words[:at], takewhile(lambda word: word not in self._joints, words[at:])
+        if not self._negations.isdisjoint((*before, *clause)):  # `hup nicht`: a language may have it behind the verb
             return False
         if not before or before[-1] in self._joints or list(before) in self._language.normaliser.lead:
             return True

@@ -7,6 +7,7 @@ other words, and a value that may have the joint in it, stay whole.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from itertools import accumulate, islice, product
 from typing import NamedTuple
@@ -276,8 +277,26 @@ def is_greeting(senses: Sequence[Sense]) -> bool:
 def _together(parts: Sequence[Part]) -> tuple[Sense, ...]:
     """What parts mean together, in each way in which they may be meant; what is polite is left out."""
     meant = [part for part in parts if not is_greeting(part)] or parts[:1]
-    found = (joined(each) for each in islice(product(*meant), MOST_WAYS))
+    ways = (way for each in islice(product(*meant), MOST_WAYS) for way in _by_answer(each))
+    found = (joined(way) for way in ways)
     return tuple({sense.identity: sense for sense in found}.values())
+
+
+def _by_answer(parts: Part) -> Iterator[Part]:
+    """The parts with one answer to each question: who names two options, `the first? the second`, is asked which.
+
+    A stop among them counts, and none of these answers does.
+    """
+    options = {(part.question, part.option) for part in parts if part.option}
+    asked = Counter(question for question, _ in options)
+    rivals = sorted(each for each in options if asked[each[0]] > 1)
+    others = tuple(part for part in parts if (part.question, part.option) not in rivals)
+    if not rivals or STOP in parts:
+        yield others
+        return
+    for rival in rivals:
+        kept = (part for part in parts if part in others or (part.question, part.option) == rival)
+        yield tuple(part._replace(is_partial=True) if part.option else part for part in kept)
 
 
 def _begins(words: Sequence[str], joint: Sequence[str]) -> bool:

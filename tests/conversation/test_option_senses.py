@@ -66,6 +66,20 @@ def test_nothing_is_an_answer_behind_a_condition_or_a_negation(code: str, before
         assert not options, text
 
 
+@pytest.mark.parametrize("text", ["Nicht hupen", "Hup nicht", "Kein Hupen", "Bloß nicht hupen", "Nie wieder warten"])
+def test_a_negation_before_or_behind_a_german_verb_leaves_no_answer(text: str) -> None:
+    assert not any(map(is_read_back, outputs("de", text))), text
+
+
+@pytest.mark.parametrize("joint", [", ", "? ", ". ", "... ", " and ", ", and then ", " then "])
+@pytest.mark.parametrize("names", [("the first", "the second"), ("2", "1"), ("second", "first", "third")])
+def test_two_options_for_one_question_are_no_answer_until_one_is_chosen(joint: str, names: tuple[str, ...]) -> None:
+    sentence = joint.join(names)
+    assert not any(isinstance(each, Order) for each in outputs("en", sentence)), "it was given out at once"
+    assert not any(isinstance(each, Order) for each in outputs("en", sentence, "yes")), "a yes chose one of them"
+    assert [each.name for each in outputs("en", f"stop, {sentence}") if isinstance(each, Order)] == ["stop"]
+
+
 @pytest.mark.parametrize(("code", "option", "text"), CLAUSES)
 def test_a_fact_next_to_an_answer_leaves_it_one(code: str, option: str, text: str) -> None:
     for fact in FACTS[code]:

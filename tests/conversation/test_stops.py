@@ -95,6 +95,16 @@ def test_a_stop_that_is_drawn_out_is_the_stop_whatever_follows(code: str) -> Non
 
 
 @pytest.mark.parametrize("code", languages())
+def test_a_stop_that_is_stuttered_is_the_stop(code: str) -> None:
+    grammar = Grammar(language(code))
+    begun = [f"{stop[:size]}-" for stop in STOPPING[code] for size in (1, 2, 3)]
+    cries = [each + end for each in begun for end in STOPPING[code] if end.startswith(each[:-1])]
+    cries += [f"{each[0]}-{each}!" for each in cries] + [each.replace("-", "- ").capitalize() for each in cries]
+    assert [each for each in cries if grammar.senses(each, ASSISTING) != (STOP,)] == []
+    assert STOP not in grammar.senses({"en": "non-stop", "de": "ha-ha"}[code], ASSISTING)
+
+
+@pytest.mark.parametrize("code", languages())
 def test_what_is_typed_and_begins_with_a_stop_stops(code: str) -> None:
     grammar, stop = Grammar(language(code)), STOPPING[code][0]
     cries = [f"{each} {cry}" for each in (stop, stop.upper(), stop[1] + stop[0] + stop[2:]) for cry in CRIES[code]]
