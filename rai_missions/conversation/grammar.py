@@ -173,13 +173,25 @@ class Grammar:
         return is_again or any(map(stop.fits, (*edges, *heads, *addressed))) or self._warns(text, edges, view)
 
     def _is_alarmed(self, text: str, words: list[str], edges: Sequence[list[str]], view: StatusView) -> bool:
-        """Whether what is typed cries of harm, or has a short clause that begins with the word to stop."""
+        """Whether what is typed cries of harm, has a short clause that begins with the word to stop, or turns to it."""
         language = self.language
         if language.may_quote(text) or text.rstrip().endswith("?"):
             return False
         short = [each for each in (words, *edges) if len(each) <= LONGEST_ALARM]
         is_harm = any(map(language.warnings["typed"].fits, short))
-        return is_harm or any(self._begins_with_stop(self._ahead_of_reason(each), view) for each in edges)
+        begins = (self._begins_with_stop(self._ahead_of_reason(each), view) for each in edges)
+        return is_harm or any(self._turns_to_stop(each, view) for each in edges) or any(begins)
+
+    def _turns_to_stop(self, words: list[str], view: StatusView) -> bool:
+        """Whether a clause comes to the order to stop: `there is a kid so stop`, `wrong way stop`."""
+        data = self.language.data
+        if self.language.conditions.begin(words):
+            return False
+        turns = [at + 1 for at, word in enumerate(words) if word in data["turning"]]
+        if len(words) <= LONGEST_WARNING:
+            ahead = (*data["turning"], *data["ahead_of_a_stop"])
+            turns += [at for at in range(1, len(words)) if words[at] in data["stops"] and words[at - 1] not in ahead]
+        return any(STOP in self.sentence.senses(words[at:], view) for at in turns[-2:])
 
     def _begins_with_stop(self, words: list[str], view: StatusView) -> bool:
         """Whether a short clause begins with the word to stop and is no other: `stop you fool`."""

@@ -281,7 +281,7 @@ def test_a_listed_value_that_lacks_a_letter_is_that_value(code: str) -> None:
 
 WITHIN = {
     "en": {
-        "it is getting dark {} the robot": ("stop", "pause", "cancel"),
+        "it is getting dark {} the robot": ("pause", "cancel"),
         "dinner is ready please {} the mission": ("pause", "cancel"),
         "{} the mission we are done": ("pause", "cancel"),
     },
