@@ -22,6 +22,7 @@ from rai_missions.conversation.state_questions import StateQuestions
 from rai_missions.conversation.view import StatusView
 from rai_missions.engine.decision import Question
 from rai_missions.planning.text.normalise import LONGEST_WORD, nearest, once
+from rai_missions.planning.text.numbers import ordinal
 
 __all__ = ("MOST_MENDED", "MOST_WORDS", "NONE", "SentenceGrammar")
 
@@ -96,7 +97,14 @@ class SentenceGrammar:
             if again and not is_fault(again):
                 return again
             found = found or again
-        return found
+        return self._unsure(found, words)
+
+    def _unsure(self, senses: tuple[Sense, ...], words: Sequence[str]) -> tuple[Sense, ...]:
+        """An answer is to be read back where two places of options are named: `first, second`."""
+        places = {ordinal([word], self.language.data) for word in words} - {None}
+        if len(places) < 2:
+            return senses
+        return tuple(each._replace(is_partial=True) if each.option else each for each in senses)
 
     def _first(self, words: list[str], bare: list[str], view: StatusView, draft: Draft | None) -> tuple[Sense, ...]:
         """What the likeliest form of a sentence means that means something."""

@@ -71,6 +71,11 @@ def test_a_negation_before_or_behind_a_german_verb_leaves_no_answer(text: str) -
     assert not any(map(is_read_back, outputs("de", text))), text
 
 
+@pytest.mark.parametrize("text", ["first second", "second first", "First the second", "1 2", "first... second"])
+def test_two_places_of_options_without_a_joint_are_no_answer_until_it_is_confirmed(text: str) -> None:
+    assert not any(isinstance(each, Order) for each in outputs("en", text)), "it was given out at once"
+
+
 @pytest.mark.parametrize("joint", [", ", "? ", ". ", "... ", " and ", ", and then ", " then "])
 @pytest.mark.parametrize("names", [("the first", "the second"), ("2", "1"), ("second", "first", "third")])
 def test_two_options_for_one_question_are_no_answer_until_one_is_chosen(joint: str, names: tuple[str, ...]) -> None:
