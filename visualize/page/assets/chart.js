@@ -47,7 +47,7 @@ class Chart {
       this.plans = this.planned();
       if (!this.open.size || this.plans.seen > LARGE) break;
       const plan = finished(this.plans.fitting(this.room()));
-      if (plan.level >= BROKEN_NAMES && scaleOf(plan, this.room()) >= READABLE) break;
+      if (areWhole(plan.view) && scaleOf(plan, this.room()) >= READABLE) break;
     }
     this.draw((plans, room) => plans.fitting(room));
   }

@@ -100,6 +100,12 @@ function scaleOf({ size, level }, room) {
   return Math.min(room.w / Math.max(size.w, 1), room.h / Math.max(size.h, 1), LEVELS[level].most);
 }
 
+/** Whether no name is cut that a layout has. */
+function areWhole(view) {
+  const texts = [...allItems(view.root)].flatMap((item) => (item.box ? item.box.texts : []));
+  return texts.every((line) => !line.bold || !line.whole);
+}
+
 function finished(parts) {
   let part = parts.next();
   while (!part.done) part = parts.next();

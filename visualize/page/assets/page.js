@@ -8,6 +8,7 @@ class Page {
     this.data = data;
     this.at = {};
     this.findings = data.findings || [];
+    this.legend = new Legend(byId("legend"), data);  // ahead of the chart, which fits in the room that is left
     this.chart = new Chart(byId("chart"), data.chart, { select: (kind, name, more) => this.select(kind, name, more) },
       this.findings);
     this.model = this.chart.model;
@@ -20,7 +21,6 @@ class Page {
     this.path = this.player ? new Path(byId("path"), data, this.player) : null;
     this.summary = data.summary ? new Summary(byId("summary"), data, this.details) : null;
     this.changes = data.changes ? new Changes(byId("changes"), data, this.details) : null;
-    this.legend = new Legend(byId("legend"), data);
     this.coverage = new Coverage(byId("transitions"), data, this.model, { go });
     this.lenses = new Lenses(byId("lenses"), byId("lens"), data.lenses, { show: (lens) => this.lit(lens), go });
     this.tabs = new Tabs(TABS, (name) => this.tab(name));
