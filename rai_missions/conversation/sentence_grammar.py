@@ -22,7 +22,6 @@ from rai_missions.conversation.state_questions import StateQuestions
 from rai_missions.conversation.view import StatusView
 from rai_missions.engine.decision import Question
 from rai_missions.planning.text.normalise import LONGEST_WORD, nearest, once
-from rai_missions.planning.text.numbers import ordinal
 
 __all__ = ("MOST_MENDED", "MOST_WORDS", "NONE", "SentenceGrammar")
 
@@ -101,7 +100,8 @@ class SentenceGrammar:
 
     def _unsure(self, senses: tuple[Sense, ...], words: Sequence[str]) -> tuple[Sense, ...]:
         """An answer is to be read back where two places of options are named: `first, second`."""
-        places = {ordinal([word], self.language.data) for word in words} - {None}
+        ordinals = self.language.data["ordinals"]
+        places = {ordinals[word] for word in words if word in ordinals and len(word) > 1}  # "a" is an article too
         if len(places) < 2:
             return senses
         return tuple(each._replace(is_partial=True) if each.option else each for each in senses)
