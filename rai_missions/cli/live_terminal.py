@@ -32,9 +32,15 @@ STYLES: Mapping[Tone, str] = {
     "succeeded": "bold green", "failed": "bold red", "aborted": "bold red", "canceled": "bold yellow",
 }  # fmt: skip
 MODE_STYLES: Mapping[Mode, str] = {
-    "ready": "bold green", "running": "bold green", "paused": "bold yellow", "canceling": "bold yellow",
-    "succeeded": "bold green", "failed": "bold red", "aborted": "bold red", "canceled": "bold yellow",
-}  # fmt: skip
+    "ready": "bold green",
+    "running": "bold green",
+    "paused": "bold yellow",
+    "canceling": "bold yellow",
+    "succeeded": STYLES["succeeded"],
+    "failed": STYLES["failed"],
+    "aborted": STYLES["aborted"],
+    "canceled": STYLES["canceled"],
+}
 MOST_HELD = 200
 """Lines that wait while a person is asked; of more, the last ones are printed."""
 

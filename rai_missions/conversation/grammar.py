@@ -60,6 +60,7 @@ class Grammar:
         self.sentence = SentenceGrammar(language, phrases, questions)
         """The grammar of each of its sentences."""
         self._lists = OrderLists(self.sentence)
+        self._no_stop_behind = frozenset([*language.data["turning"], *language.data["ahead_of_a_stop"]])
 
     def senses(
         self, text: str, view: StatusView, draft: Draft | None = None, *, is_typed: bool = True
@@ -189,8 +190,8 @@ class Grammar:
             return False
         turns = [at + 1 for at, word in enumerate(words) if word in data["turning"]]
         if len(words) <= LONGEST_WARNING:
-            ahead = (*data["turning"], *data["ahead_of_a_stop"])
-            turns += [at for at in range(1, len(words)) if words[at] in data["stops"] and words[at - 1] not in ahead]
+            stops = (at for at in range(1, len(words)) if words[at] in data["stops"])
+            turns += [at for at in stops if words[at - 1] not in self._no_stop_behind]
         return any(STOP in self.sentence.senses(words[at:], view) for at in turns[-2:])
 
     def _begins_with_stop(self, words: list[str], view: StatusView) -> bool:

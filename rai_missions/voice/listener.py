@@ -71,6 +71,11 @@ class Transcript(NamedTuple):
     fault: str = ""
     """Why there is no transcript; empty if there is one."""
 
+    @property
+    def waited_s(self) -> float:
+        """How long ago the person had begun as this was given."""
+        return self.given - self.began
+
 
 class OfferReplies(NamedTuple):
     """What the recognisers made of an offer, as far as it is known."""

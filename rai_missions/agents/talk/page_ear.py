@@ -156,5 +156,5 @@ class PageEar:
             channel="page",
             author=microphone.author,
             readings=transcript.readings,
-            waited_s=transcript.given - transcript.began,
+            waited_s=transcript.waited_s,
         )

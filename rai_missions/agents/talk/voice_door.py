@@ -113,7 +113,7 @@ class VoiceDoor:
                 role="person",
                 channel=CHANNEL,
                 readings=transcript.readings,
-                waited_s=transcript.given - transcript.began,
+                waited_s=transcript.waited_s,
             )
 
     def _ended(self, key: str, how: SpokenEnd) -> None:
