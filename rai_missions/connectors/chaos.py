@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from random import Random
 from typing import Any
 
-from rai_missions.connectors.connector import Close, Connector, Data, Message, Reply, Report
+from rai_missions.connectors.connector import Close, Connector, Data, Message, OnMessage, OnReply, OnReport, Reply
 from rai_missions.connectors.wrapper import ConnectorWrapper
 
 __all__ = ("ChaosConnector", "Rates")
@@ -75,7 +75,7 @@ class ChaosConnector(ConnectorWrapper):
         self._silent: set[str] = set()
         self._sent: set[str] = set()
 
-    def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close:
+    def subscribe(self, topic: str, type_name: str, on_message: OnMessage) -> Close:
         def disturbed(message: Message) -> None:
             if self._befalls(self._incoming.silence):
                 self._silent.add(topic)
@@ -88,13 +88,7 @@ class ChaosConnector(ConnectorWrapper):
         self._pass(self._outgoing, lambda: self.inner.publish(topic, type_name, message))
 
     def call(
-        self,
-        service: str,
-        type_name: str,
-        request: Data,
-        *,
-        on_reply: Callable[[Reply], None],
-        timeout_s: float | None = None,
+        self, service: str, type_name: str, request: Data, *, on_reply: OnReply, timeout_s: float | None = None
     ) -> None:
         is_over = threading.Event()
 
@@ -119,9 +113,7 @@ class ChaosConnector(ConnectorWrapper):
             self._later(timeout_s, give_up)
         self._pass(self._outgoing, ask)
 
-    def send_goal(
-        self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: Callable[[Report], None]
-    ) -> None:
+    def send_goal(self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: OnReport) -> None:
         def send() -> None:
             with self._lock:
                 is_known = goal_id in self._sent
@@ -131,14 +123,14 @@ class ChaosConnector(ConnectorWrapper):
 
         self._pass(self._outgoing, send)
 
-    def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: Callable[[Report], None]) -> None:
+    def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: OnReport) -> None:
         found = self._reporting(on_report)
         self._pass(self._outgoing, lambda: self.inner.find_goal(action, type_name, goal_id=goal_id, on_report=found))
 
     def cancel_goal(self, goal_id: str) -> None:
         self._pass(self._outgoing, lambda: self.inner.cancel_goal(goal_id))
 
-    def _reporting(self, on_report: Callable[[Report], None]) -> Callable[[Report], None]:
+    def _reporting(self, on_report: OnReport) -> OnReport:
         return lambda one: self._pass(self._incoming, lambda: on_report(one))
 
     def _pass(self, rates: Rates, do: Callable[[], None]) -> None:

@@ -22,6 +22,9 @@ __all__ = (
     "ListsItself",
     "Message",
     "Mode",
+    "OnMessage",
+    "OnReply",
+    "OnReport",
     "RawMessage",
     "Reply",
     "Report",
@@ -121,12 +124,15 @@ class Report(NamedTuple):
 
 ENDS = ("rejected", "succeeded", "failed", "canceled", "lost")
 """The statuses of a report that end a goal."""
+OnMessage = Callable[[Message], None]
+OnReply = Callable[[Reply], None]
+OnReport = Callable[[Report], None]
 
 
 class ActionServer(Protocol):
     """The side that serves an action. All calls come one after the other."""
 
-    def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+    def accept(self, goal_id: str, goal: Data, report: OnReport) -> None:
         """A goal has come: report `accepted` or `rejected`, then feedback, then one end."""
 
     def cancel(self, goal_id: str) -> None:
@@ -140,9 +146,7 @@ class SupportsRawMessages(Protocol):
     def definition(self, type_name: str) -> str:
         """How the bytes of a type are read, as the wire's own language reports it; raises `ConnectorError`."""
 
-    def tap(
-        self, topic: str, type_name: str, on_message: Callable[[Message], None], on_raw: Callable[[RawMessage], None]
-    ) -> Close:
+    def tap(self, topic: str, type_name: str, on_message: OnMessage, on_raw: Callable[[RawMessage], None]) -> Close:
         """Subscribe; each message comes raw first, then as plain data."""
 
 
@@ -177,7 +181,7 @@ class ListsItself(Protocol):
 class SupportsAdoption(Protocol):
     """A connector on which a server can be offered that pursues a goal already, as in the branch of a world."""
 
-    def adopt_goal(self, action: str, goal_id: str) -> Callable[[Report], None]:
+    def adopt_goal(self, action: str, goal_id: str) -> OnReport:
         """Take note of a goal that its server has accepted; `find_goal` finds it.
 
         Returns:
@@ -243,27 +247,19 @@ class Connector(Protocol):
         What someone listens to counts as a topic too. A connector that does not run lists nothing.
         """
 
-    def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close: ...
+    def subscribe(self, topic: str, type_name: str, on_message: OnMessage) -> Close: ...
 
     def publish(self, topic: str, type_name: str, message: Data) -> None: ...
 
     def call(
-        self,
-        service: str,
-        type_name: str,
-        request: Data,
-        *,
-        on_reply: Callable[[Reply], None],
-        timeout_s: float | None = None,
+        self, service: str, type_name: str, request: Data, *, on_reply: OnReply, timeout_s: float | None = None
     ) -> None:
         """Call a service; `on_reply` is called exactly once."""
 
-    def send_goal(
-        self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: Callable[[Report], None]
-    ) -> None:
+    def send_goal(self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: OnReport) -> None:
         """Ask an action's server to pursue a goal under the id given."""
 
-    def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: Callable[[Report], None]) -> None:
+    def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: OnReport) -> None:
         """Ask for a goal that an earlier process sent, and be notified of it from now on.
 
         Reports `accepted` if it runs, its end if it has ended, and `lost` if its server knows nothing of it or no one

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any, Generic, TypeVar, get_args
 
-from rai_missions.connectors.connector import ENDS, Connector, ConnectorMode, Data, Message, Reply, Report
+from rai_missions.connectors.connector import ENDS, Connector, ConnectorMode, Data, Message, OnReport, Reply, Report
 from rai_missions.errors import UsageError
 from rai_missions.given import check_function
 
@@ -55,9 +55,9 @@ class PatientServer:
     def __init__(self) -> None:
         self.asked: Inbox[tuple[str, str]] = Inbox()
         self.goals: dict[str, Data] = {}
-        self.report: dict[str, Callable[[Report], None]] = {}
+        self.report: dict[str, OnReport] = {}
 
-    def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+    def accept(self, goal_id: str, goal: Data, report: OnReport) -> None:
         self.goals[goal_id], self.report[goal_id] = goal, report
         self.asked(("accept", goal_id))
 

@@ -14,7 +14,19 @@ from functools import partial
 from typing import Any
 
 from rai_missions.connectors.answers import ask_for, check_action_server, check_answer
-from rai_missions.connectors.connector import ActionServer, Answer, Close, ConnectorMode, Data, Message, Reply, Report
+from rai_missions.connectors.connector import (
+    ActionServer,
+    Answer,
+    Close,
+    ConnectorMode,
+    Data,
+    Message,
+    OnMessage,
+    OnReply,
+    OnReport,
+    Reply,
+    Report,
+)
 from rai_missions.connectors.local_goals import LocalGoal
 from rai_missions.connectors.stamps import ReadingDate, dated, stamp_of
 from rai_missions.connectors.worker import SerialQueue
@@ -47,7 +59,7 @@ class LocalConnector:
         self._running = False
         self._types: dict[tuple[ConnectorMode, str], str] = {}
         """Of what was named since the start; empty while only given without its type."""
-        self._subscribers: defaultdict[str, dict[object, Callable[[Message], None]]] = defaultdict(dict)
+        self._subscribers: defaultdict[str, dict[object, OnMessage]] = defaultdict(dict)
         self._services: dict[str, Answer] = {}
         self._servers: dict[str, tuple[ActionServer, SerialQueue]] = {}
         self._goals: dict[str, LocalGoal] = {}
@@ -84,7 +96,7 @@ class LocalConnector:
                 names = {*(self._services if mode == "services" else self._servers)}
             return {name: self._types.get((mode, name), "") for name in sorted(names)} if self._running else {}
 
-    def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close:
+    def subscribe(self, topic: str, type_name: str, on_message: OnMessage) -> Close:
         key = object()
         with self._lock:
             self._agree("topics", topic, type_name)
@@ -104,13 +116,7 @@ class LocalConnector:
                 _run(on_message, dated, topic)
 
     def call(
-        self,
-        service: str,
-        type_name: str,
-        request: Data,
-        *,
-        on_reply: Callable[[Reply], None],
-        timeout_s: float | None = None,
+        self, service: str, type_name: str, request: Data, *, on_reply: OnReply, timeout_s: float | None = None
     ) -> None:
         with self._lock:
             answer = self._services.get(service) if self._running else None
@@ -122,13 +128,11 @@ class LocalConnector:
         else:
             ask_for(answer, request, service, partial(self._reply, on_reply))
 
-    def _reply(self, on_reply: Callable[[Reply], None], data: Data, why: str) -> None:
+    def _reply(self, on_reply: OnReply, data: Data, why: str) -> None:
         if self._running:
             on_reply(Reply("failed" if why else "succeeded", data, why, age_s=self._date(data).age_s))
 
-    def send_goal(
-        self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: Callable[[Report], None]
-    ) -> None:
+    def send_goal(self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: OnReport) -> None:
         with self._lock:
             if goal_id in self._goals:
                 raise UsageError(f"goal {goal_id!r} is still running: every goal needs an id of its own")
@@ -144,7 +148,7 @@ class LocalConnector:
         else:
             sent.send(goal)
 
-    def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: Callable[[Report], None]) -> None:
+    def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: OnReport) -> None:
         with self._lock:
             found = self._goals.get(goal_id) or self._ended.get(goal_id)
             is_served = action in self._servers
@@ -154,7 +158,7 @@ class LocalConnector:
             why = f"the server of {action} knows nothing of the goal" if is_served else f"no server offers {action}"
             on_report(Report(goal_id, "lost", {}, why, may_run=not is_served))
 
-    def adopt_goal(self, action: str, goal_id: str) -> Callable[[Report], None]:
+    def adopt_goal(self, action: str, goal_id: str) -> OnReport:
         """Take note of a goal that its server, which is offered here, has accepted; `find_goal` finds it.
 
         Returns:
@@ -234,7 +238,7 @@ class LocalConnector:
                     del self._ended[next(iter(self._ended))]
 
 
-def _run(on_message: Callable[[Message], None], message: Any, topic: str) -> None:
+def _run(on_message: OnMessage, message: Any, topic: str) -> None:
     """One subscriber's fault must not keep the message from the others."""
     try:
         on_message(message)

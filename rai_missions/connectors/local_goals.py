@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rai_missions.connectors.connector import ENDS, ActionServer, Data, Report
+from rai_missions.connectors.connector import ENDS, ActionServer, Data, OnReport, Report
 from rai_missions.connectors.worker import SerialQueue
 from rai_missions.redaction import logger
 
@@ -35,7 +35,7 @@ class LocalGoal:
         action: str,
         server: ActionServer,
         calls: SerialQueue,
-        on_report: Callable[[Report], None],
+        on_report: OnReport,
         *,
         ended: Callable[[LocalGoal], None],
     ) -> None:
@@ -71,11 +71,11 @@ class LocalGoal:
         """What the server reports; dropped when it comes late, twice or under another goal's id."""
         self._reports.post(lambda: self._pass_on(report))
 
-    def deliver(self, on_report: Callable[[Report], None]) -> None:
+    def deliver(self, on_report: OnReport) -> None:
         """Notify someone else from now on, beginning with what has become of it."""
         self._reports.post(lambda: self._begin_again(on_report))
 
-    def _begin_again(self, on_report: Callable[[Report], None]) -> None:
+    def _begin_again(self, on_report: OnReport) -> None:
         self._report = on_report
         if self.end is not None:
             on_report(self.end)

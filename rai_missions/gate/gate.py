@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
-from rai_missions.connectors.connector import Close, Connector, Data, Message
+from rai_missions.connectors.connector import Close, Connector, Data, Message, OnMessage
 from rai_missions.connectors.worker import SerialQueue
 from rai_missions.gate.config import GateWords
 from rai_missions.gate.memory import Memory
@@ -154,7 +154,7 @@ class GateAgent:
             self._is_closed = True
         self._turns.post(partial(self._do, Halt("the gate has ended")))
 
-    def _subscribe(self, topic: str, kind: str, on_message: Callable[[Message], None]) -> None:
+    def _subscribe(self, topic: str, kind: str, on_message: OnMessage) -> None:
         self._closes.append(self._connector.subscribe(topic, kind, on_message))
 
     # -- what happens ----------------------------------------------------------------------------------------------

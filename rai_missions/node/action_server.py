@@ -10,7 +10,7 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-from rai_missions.connectors.connector import Data, Report
+from rai_missions.connectors.connector import Data, OnReport, Report
 from rai_missions.node.command import Command, CommandReply, from_ros, ignore_reply, mapping_in, who
 from rai_missions.node.command_server import CommandServer
 from rai_missions.node.run_session import RunSession
@@ -30,7 +30,7 @@ class RunServer:
     def __init__(self, commands: CommandServer, refused: Callable[[CommandReply], None]) -> None:
         self._commands, self._refused = commands, refused
         self._goal_id = ""
-        self._report: Callable[[Report], None] | None = None
+        self._report: OnReport | None = None
         self._session: RunSession | None = None
         self._is_unwanted = False
         self._lock = threading.Lock()
@@ -38,7 +38,7 @@ class RunServer:
         self._fed = 0
         """The revision that was fed back last."""
 
-    def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+    def accept(self, goal_id: str, goal: Data, report: OnReport) -> None:
         """Start the mission for a goal."""
         given = mapping_in(goal.get("arguments", ""), "arguments")
         if isinstance(given, str):

@@ -7,13 +7,15 @@ Rule: what a mission receives is the same with it and without it.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 
 from rai_missions.connectors.connector import (
     Close,
     Connector,
     Data,
     Message,
+    OnMessage,
+    OnReply,
+    OnReport,
     RawMessage,
     Reply,
     Report,
@@ -39,7 +41,7 @@ class RecordedConnector(ConnectorWrapper):
         self._recording = recording
         self._keeps: dict[str, object] = {}
 
-    def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close:
+    def subscribe(self, topic: str, type_name: str, on_message: OnMessage) -> Close:
         """Subscribe; a topic that is subscribed to more than once is recorded once."""
         key = object()
 
@@ -77,13 +79,7 @@ class RecordedConnector(ConnectorWrapper):
             return ""
 
     def call(
-        self,
-        service: str,
-        type_name: str,
-        request: Data,
-        *,
-        on_reply: Callable[[Reply], None],
-        timeout_s: float | None = None,
+        self, service: str, type_name: str, request: Data, *, on_reply: OnReply, timeout_s: float | None = None
     ) -> None:
         began = time.monotonic()
 
@@ -93,15 +89,13 @@ class RecordedConnector(ConnectorWrapper):
 
         self.inner.call(service, type_name, request, on_reply=record, timeout_s=timeout_s)
 
-    def send_goal(
-        self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: Callable[[Report], None]
-    ) -> None:
+    def send_goal(self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: OnReport) -> None:
         self.inner.send_goal(action, type_name, goal, goal_id=goal_id, on_report=self._recorded(action, on_report))
 
-    def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: Callable[[Report], None]) -> None:
+    def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: OnReport) -> None:
         self.inner.find_goal(action, type_name, goal_id=goal_id, on_report=self._recorded(action, on_report))
 
-    def _recorded(self, action: str, on_report: Callable[[Report], None]) -> Callable[[Report], None]:
+    def _recorded(self, action: str, on_report: OnReport) -> OnReport:
         def record(one: Report) -> None:
             self._recording.reported(action, one)
             on_report(one)

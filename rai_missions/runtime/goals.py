@@ -13,7 +13,7 @@ from contextlib import suppress
 from functools import partial
 from typing import Any
 
-from rai_missions.connectors.connector import ENDS, Connector, HostsActions, Reply, Report
+from rai_missions.connectors.connector import ENDS, Connector, HostsActions, OnReport, Reply, Report
 from rai_missions.engine.step import CancelGoal, StartGoal
 from rai_missions.errors import in_words
 from rai_missions.event import EventKind
@@ -210,7 +210,7 @@ class Goals:
     def _entry(self, action: str) -> ActionEntry | None:
         return self._robot.actions.get(action)
 
-    def _sent(self, entry: ActionEntry, effect: StartGoal) -> tuple[str, Callable[[Report], None]]:
+    def _sent(self, entry: ActionEntry, effect: StartGoal) -> tuple[str, OnReport]:
         """A goal's id, and what its reports go to."""
         goal_id = self._ids[effect.number] = self.goal_id(effect.number, effect.owner)
         return goal_id, lambda report: self._reported(entry, effect, goal_id, report)

@@ -12,7 +12,7 @@ from collections import defaultdict
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rai_missions.connectors.connector import Close, Connector, Message, Reply
+from rai_missions.connectors.connector import Close, Connector, Message, OnMessage, Reply
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Event
 from rai_missions.keys import Key, type_error
@@ -25,7 +25,6 @@ __all__ = ("RobotListener",)
 
 log = logger(__name__)
 
-OnMessage = Callable[[Message], None]
 Poll = tuple[str, str, float, str]
 """Service, type, seconds between two questions, and the request as text."""
 

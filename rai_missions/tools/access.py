@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, TypeVar
 
-from rai_missions.connectors.connector import Close, Connector, ConnectorMode, Data, Message, Reply
+from rai_missions.connectors.connector import Close, Connector, ConnectorMode, Data, Message, OnMessage, Reply
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import cut_repr
 from rai_missions.tools.allowlist import AccessKind, Allowlist
@@ -105,9 +105,7 @@ class AllowedConnector:
                 return ""
         return given or found or ""
 
-    def subscribe(
-        self, topic: str, type_name: str, on_message: Callable[[Message], None], ends: float
-    ) -> tuple[Close, str]:
+    def subscribe(self, topic: str, type_name: str, on_message: OnMessage, ends: float) -> tuple[Close, str]:
         """Listen to a topic that may be read; what ends that, and its type.
 
         A connector that has no types, or knows this one already, is not made to wait for a list.

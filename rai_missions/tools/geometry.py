@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from rai_missions.connectors.connector import Close, Message
+from rai_missions.connectors.connector import Close, Message, OnMessage
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import logger
 from rai_missions.tools.access import AllowedConnector, Sample, until
@@ -156,7 +156,7 @@ class GeometryTools:
                 close, _ = self._reach.subscribe(topic, TF_TYPE, self._on_transform(is_static=is_static), ends)
                 self._closes[topic] = close
 
-    def _on_transform(self, *, is_static: bool) -> Callable[[Message], None]:
+    def _on_transform(self, *, is_static: bool) -> OnMessage:
         def on_message(message: Message) -> None:
             try:
                 self._frames.receive(message.data, is_static=is_static, received_at=self._reach.now())

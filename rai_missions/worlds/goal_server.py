@@ -7,17 +7,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, Protocol, runtime_checkable
 
-from rai_missions.connectors.connector import Data, Report
+from rai_missions.connectors.connector import Data, OnReport, Report
 
-__all__ = ("End", "GoalServer", "Later", "OnReport", "RunningGoal", "SupportsHeir")
+__all__ = ("End", "GoalServer", "Later", "RunningGoal", "SupportsHeir")
 
 FEEDBACK_S = 0.5
 End = Literal["succeeded", "failed", "canceled"]
 GoalStatus = Literal["accepted", "rejected", "feedback", End]
 Later = Callable[[Callable[[], None]], None]
 """Does something once the world's step is over and its lock is free."""
-OnReport = Callable[[Report], None]
-"""Who is notified of a goal."""
 
 
 def unreported(report: Report) -> None:
@@ -31,7 +29,7 @@ class RunningGoal:
     LEADS_OUT: ClassVar = {"on_report": lambda: unreported}
 
     goal_id: str
-    on_report: Callable[[Report], None]
+    on_report: OnReport
     begun: float
     number: int = 0
     """Of the navigation's goals."""

@@ -10,7 +10,7 @@ import threading
 from collections.abc import Callable, Collection, Mapping
 from typing import Any, ClassVar
 
-from rai_missions.connectors.connector import ActionServer, Connector, Data, Report, SupportsPreconnect
+from rai_missions.connectors.connector import ActionServer, Connector, Data, OnReport, SupportsPreconnect
 
 __all__ = ("LockedServer", "Outbox")
 
@@ -75,7 +75,7 @@ class LockedServer:
     def __init__(self, server: ActionServer, outbox: Outbox) -> None:
         self._server, self._outbox = server, outbox
 
-    def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+    def accept(self, goal_id: str, goal: Data, report: OnReport) -> None:
         with self._outbox.lock:
             self._server.accept(goal_id, goal, report)
         self._outbox.send()

@@ -7,7 +7,7 @@ import threading
 from collections import OrderedDict
 from collections.abc import Callable
 
-from rai_missions.connectors.connector import Reply
+from rai_missions.connectors.connector import OnReply, Reply
 from rai_missions.redaction import logger
 
 __all__ = ("PendingCalls",)
@@ -26,7 +26,7 @@ class PendingCalls:
         self._answered: OrderedDict[bytes, str] = OrderedDict()
         self._rivals: set[str] = set()
 
-    def begin(self, key: bytes, service: str, on_reply: Callable[[Reply], None], timeout_s: float | None) -> None:
+    def begin(self, key: bytes, service: str, on_reply: OnReply, timeout_s: float | None) -> None:
         """Await a reply; where a timeout is given, for no longer."""
         late = Reply("timed_out", {}, f"{service} has not answered within {timeout_s} s")
         timer = None if timeout_s is None else _timer(timeout_s, lambda: self.end(key, late))
@@ -74,7 +74,7 @@ class PendingCalls:
 class _Call:
     """A request that waits for its reply."""
 
-    def __init__(self, service: str, on_reply: Callable[[Reply], None], timer: threading.Timer | None) -> None:
+    def __init__(self, service: str, on_reply: OnReply, timer: threading.Timer | None) -> None:
         self.service, self.on_reply, self.timer = service, on_reply, timer
 
 

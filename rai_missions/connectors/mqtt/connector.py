@@ -17,7 +17,19 @@ from functools import partial
 from typing import Any
 
 from rai_missions.connectors.answers import ask_for, check_answer
-from rai_missions.connectors.connector import ActionServer, Answer, Close, ConnectorMode, Data, Message, Reply, Report
+from rai_missions.connectors.connector import (
+    ActionServer,
+    Answer,
+    Close,
+    ConnectorMode,
+    Data,
+    Message,
+    OnMessage,
+    OnReply,
+    OnReport,
+    Reply,
+    Report,
+)
 from rai_missions.connectors.mqtt.calls import PendingCalls
 from rai_missions.connectors.mqtt.codec import decode, encode
 from rai_missions.connectors.mqtt.link import BrokerLink
@@ -136,7 +148,7 @@ class MqttConnector:
             }
             return {name: known.get((mode, name), "") for name in sorted(there.get(mode, ()))} if self.running else {}
 
-    def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close:
+    def subscribe(self, topic: str, type_name: str, on_message: OnMessage) -> Close:
         key = object()
         check_name(topic)
         self._check_open()
@@ -163,13 +175,7 @@ class MqttConnector:
             raise ConnectorError(f"nothing can be published on {topic}: {GONE}")
 
     def call(
-        self,
-        service: str,
-        type_name: str,
-        request: Data,
-        *,
-        on_reply: Callable[[Reply], None],
-        timeout_s: float | None = None,
+        self, service: str, type_name: str, request: Data, *, on_reply: OnReply, timeout_s: float | None = None
     ) -> None:
         try:
             check_name(service)
@@ -210,13 +216,11 @@ class MqttConnector:
         self._subscribe(topic)
         return lambda: self._close_service(topic, answer)
 
-    def send_goal(
-        self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: Callable[[Report], None]
-    ) -> None:
+    def send_goal(self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: OnReport) -> None:
         """MQTT has no actions: rejected."""
         on_report(Report(goal_id, "rejected", {}, why_no_name(action, "action")))
 
-    def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: Callable[[Report], None]) -> None:
+    def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: OnReport) -> None:
         """MQTT has no actions: lost."""
         on_report(Report(goal_id, "lost", {}, why_no_name(action, "action")))
 
@@ -390,6 +394,6 @@ class MqttConnector:
 class _Listener:
     """Who receives a topic, and what it received last."""
 
-    def __init__(self, on_message: Callable[[Message], None]) -> None:
+    def __init__(self, on_message: OnMessage) -> None:
         self.on_message = on_message
         self.last: int | None = None

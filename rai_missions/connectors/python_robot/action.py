@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import sysconfig
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Generic, Literal, TypeVar
 
-from rai_missions.connectors.connector import Data, Report
+from rai_missions.connectors.connector import Data, OnReport, Report
 from rai_missions.connectors.python_robot.robot_time import Execution, RobotTime
 from rai_missions.errors import meant
 from rai_missions.redaction import cut, cut_repr, logger
@@ -46,7 +46,7 @@ class GoalRun(Generic[E]):
         on_report: Who is notified.
     """
 
-    def __init__(self, goal_id: str, execution: E, robot_time: RobotTime, on_report: Callable[[Report], None]) -> None:
+    def __init__(self, goal_id: str, execution: E, robot_time: RobotTime, on_report: OnReport) -> None:
         self._goal_id, self.execution, self._time, self._on_report = goal_id, execution, robot_time, on_report
         self._is_canceled = False
 

@@ -14,7 +14,7 @@ from collections.abc import Callable, Collection, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from rai_missions.connectors.connector import Close, Data, Message, Reply
+from rai_missions.connectors.connector import Close, Data, Message, OnMessage, OnReply, Reply
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.connectors.python_robot.action import GoalRun, fault_of, response_of
 from rai_missions.connectors.python_robot.fact_poll import FactPoll, refresh
@@ -143,7 +143,7 @@ class PythonRobotConnector(ConnectorWrapper):
 
     # -- facts, events and messages -----------------------------------------------------------------------------------
 
-    def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close:
+    def subscribe(self, topic: str, type_name: str, on_message: OnMessage) -> Close:
         close = self.inner.subscribe(topic, type_name, on_message)
         name = topic.removeprefix(FACTS)
         if topic.startswith(FACTS):
@@ -244,13 +244,7 @@ class PythonRobotConnector(ConnectorWrapper):
     # -- services -----------------------------------------------------------------------------------------------------
 
     def call(
-        self,
-        service: str,
-        type_name: str,
-        request: Data,
-        *,
-        on_reply: Callable[[Reply], None],
-        timeout_s: float | None = None,
+        self, service: str, type_name: str, request: Data, *, on_reply: OnReply, timeout_s: float | None = None
     ) -> None:
         once = OneReply(on_reply, lambda: self.inner.running)
         own = self._robot.service_functions.get(service) if self.inner.running else None
@@ -301,7 +295,7 @@ class PythonRobotConnector(ConnectorWrapper):
 class OneReply:
     """Passes the first reply on, and no other."""
 
-    def __init__(self, on_reply: Callable[[Reply], None], is_wanted: Callable[[], bool]) -> None:
+    def __init__(self, on_reply: OnReply, is_wanted: Callable[[], bool]) -> None:
         self._on_reply, self._is_wanted = on_reply, is_wanted
         self._lock = threading.Lock()
         self.is_given = False

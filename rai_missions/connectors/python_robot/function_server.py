@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import inspect
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, Protocol
 
-from rai_missions.connectors.connector import Data, Report
+from rai_missions.connectors.connector import Data, OnReport
 from rai_missions.connectors.python_robot.action import ActionRun, GoalRun
 from rai_missions.connectors.python_robot.robot import ActionFunction
 from rai_missions.connectors.python_robot.robot_time import Execution, RobotTime, RunOver
@@ -53,7 +53,7 @@ class FunctionServer:
     def __init__(self, host: GoalHost, name: str, action: ActionFunction) -> None:
         self._host, self._name, self._action = host, f"action '{name}'", action
 
-    def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+    def accept(self, goal_id: str, goal: Data, report: OnReport) -> None:
         if inspect.iscoroutinefunction(self._action.pursue):
             self._begin_task(goal_id, goal, report)
         else:
@@ -63,7 +63,7 @@ class FunctionServer:
         if (run := self._host.find(goal_id)) is not None:
             run.ask_to_cancel()
 
-    def _begin_thread(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+    def _begin_thread(self, goal_id: str, goal: Data, report: OnReport) -> None:
         run = ActionRun(goal_id, Execution(self._name, self._host.time), self._host.time, report)
 
         def pursue() -> None:
@@ -75,7 +75,7 @@ class FunctionServer:
         self._begin(goal_id, run)
         threading.Thread(target=pursue, name=self._name, daemon=True).start()
 
-    def _begin_task(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+    def _begin_task(self, goal_id: str, goal: Data, report: OnReport) -> None:
         loop = self._host.loop
         run = loop.run(goal_id, self._name, self._host.time, report)
 

@@ -13,7 +13,7 @@ from collections.abc import Callable, Coroutine
 from contextlib import suppress
 from typing import Any
 
-from rai_missions.connectors.connector import Report
+from rai_missions.connectors.connector import OnReport
 from rai_missions.connectors.python_robot.action import GoalRun
 from rai_missions.connectors.python_robot.robot_time import Execution, RobotTime, RunOver
 
@@ -42,9 +42,7 @@ class EventLoop:
                 threading.Thread(target=_turn, args=(self._loop,), name=f"{self._name}/async", daemon=True).start()
             return self._loop
 
-    def run(
-        self, goal_id: str, name: str, robot_time: RobotTime, on_report: Callable[[Report], None]
-    ) -> AsyncActionRun:
+    def run(self, goal_id: str, name: str, robot_time: RobotTime, on_report: OnReport) -> AsyncActionRun:
         """The run of a goal that a function is about to pursue on it."""
         return AsyncActionRun(goal_id, TaskExecution(name, robot_time, self.get()), robot_time, on_report)
 

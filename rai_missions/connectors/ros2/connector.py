@@ -22,7 +22,9 @@ from rai_missions.connectors.connector import (
     Close,
     ConnectorMode,
     Data,
-    Message,
+    OnMessage,
+    OnReply,
+    OnReport,
     RawMessage,
     Reply,
     Report,
@@ -125,16 +127,14 @@ class Ros2Connector:
         found = session.runtime.ask(lambda: _parameters(session.runtime.node), nothing)
         return {name: value for name, value in found.items() if name not in self._options.parameters}
 
-    def subscribe(self, topic: str, type_name: str, on_message: Callable[[Message], None]) -> Close:
+    def subscribe(self, topic: str, type_name: str, on_message: OnMessage) -> Close:
         return self._opened().subscribe(topic, self._type("topics", topic, type_name), on_message)
 
     def definition(self, type_name: str) -> str:
         """How a message's bytes are read: .msg text with all that it depends on."""
         return definition_of(type_name)
 
-    def tap(
-        self, topic: str, type_name: str, on_message: Callable[[Message], None], on_raw: Callable[[RawMessage], None]
-    ) -> Close:
+    def tap(self, topic: str, type_name: str, on_message: OnMessage, on_raw: Callable[[RawMessage], None]) -> Close:
         """Subscribe once, and receive each message as CDR and as plain data."""
         cls = self._type("topics", topic, type_name)
         return self._opened().subscribe(topic, cls, on_message, on_raw)
@@ -158,13 +158,7 @@ class Ros2Connector:
             session.expect(mode, name, self._type(mode, name, type_name))
 
     def call(
-        self,
-        service: str,
-        type_name: str,
-        request: Data,
-        *,
-        on_reply: Callable[[Reply], None],
-        timeout_s: float | None = None,
+        self, service: str, type_name: str, request: Data, *, on_reply: OnReply, timeout_s: float | None = None
     ) -> None:
         def begin(session: Session) -> None:
             cls = self._type("services", service, type_name)
@@ -174,9 +168,7 @@ class Ros2Connector:
         if why:
             on_reply(Reply("failed" if is_open else "unavailable", {}, why))
 
-    def send_goal(
-        self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: Callable[[Report], None]
-    ) -> None:
+    def send_goal(self, action: str, type_name: str, goal: Data, *, goal_id: str, on_report: OnReport) -> None:
         def begin(session: Session) -> None:
             cls = self._type("actions", action, type_name)
             session.send_goal(action, cls, to_message(cls.Goal, goal, action), goal_id, on_report)
@@ -185,7 +177,7 @@ class Ros2Connector:
         if why:
             on_report(Report(goal_id, "rejected", {}, why))
 
-    def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: Callable[[Report], None]) -> None:
+    def find_goal(self, action: str, type_name: str, *, goal_id: str, on_report: OnReport) -> None:
         why, _ = self._attempt(
             action,
             lambda session: session.find_goal(action, self._type("actions", action, type_name), goal_id, on_report),

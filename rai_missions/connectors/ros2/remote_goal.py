@@ -16,7 +16,7 @@ from action_msgs.srv import CancelGoal
 from rclpy.action.client import ClientGoalHandle
 from unique_identifier_msgs.msg import UUID
 
-from rai_missions.connectors.connector import Report
+from rai_missions.connectors.connector import OnReport, Report
 from rai_missions.connectors.ros2.endpoints import NO_PEERS, Peers, are_replaced
 from rai_missions.connectors.ros2.goal_client import PRESS_S, QUIET_S, STEP_S, GoalClient
 from rai_missions.connectors.ros2.messages import goal_id_to_bytes, to_data
@@ -50,7 +50,7 @@ class RemoteGoal:
     """
 
     def __init__(
-        self, client: GoalClient, goal_id: str, on_report: Callable[[Report], None], ended: Callable[[RemoteGoal], None]
+        self, client: GoalClient, goal_id: str, on_report: OnReport, ended: Callable[[RemoteGoal], None]
     ) -> None:
         self._client, self.goal_id, self._report, self._ended = client, goal_id, on_report, ended
         self.uuid = goal_id_to_bytes(goal_id)

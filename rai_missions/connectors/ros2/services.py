@@ -16,7 +16,7 @@ from typing import Any
 from rclpy.qos import QoSProfile
 
 from rai_missions.connectors.answers import ask
-from rai_missions.connectors.connector import Answer, Data, Reply
+from rai_missions.connectors.connector import Answer, Data, OnReply, Reply
 from rai_missions.connectors.ros2.endpoints import Peers, are_gone, servers_of_service, types_of_service
 from rai_missions.connectors.ros2.messages import name_of, to_data, to_message
 from rai_missions.connectors.ros2.node_thread import Runtime, Work, guarded
@@ -66,7 +66,7 @@ FAILED = "failed: "
 @dataclass(eq=False)
 class _Call:
     request: Any
-    answered: Callable[[Reply], None]
+    answered: OnReply
     peers: Peers = field(default_factory=dict)
     future: Any = None
     is_over: bool = False
@@ -96,7 +96,7 @@ class Client:
         self._patience_s = patience_s
         runtime.later(patience_s, self._grow_impatient)
 
-    def call(self, request: Any, on_reply: Callable[[Reply], None], timeout_s: float | None) -> None:
+    def call(self, request: Any, on_reply: OnReply, timeout_s: float | None) -> None:
         """Send a request as soon as there is a server and room."""
         call = _Call(request, on_reply)
         if timeout_s is not None:

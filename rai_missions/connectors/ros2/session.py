@@ -17,7 +17,9 @@ from rai_missions.connectors.connector import (
     Answer,
     Close,
     ConnectorMode,
-    Message,
+    OnMessage,
+    OnReply,
+    OnReport,
     RawMessage,
     Reply,
     Report,
@@ -82,11 +84,7 @@ class Session:
     # -- topics ----------------------------------------------------------------------------------------------------
 
     def subscribe(
-        self,
-        topic: str,
-        cls: Any,
-        on_message: Callable[[Message], None],
-        on_raw: Callable[[RawMessage], None] | None = None,
+        self, topic: str, cls: Any, on_message: OnMessage, on_raw: Callable[[RawMessage], None] | None = None
     ) -> Close:
         return self._subscriptions.join(topic, cls, Listener(on_message, on_raw))
 
@@ -118,9 +116,7 @@ class Session:
 
     # -- services --------------------------------------------------------------------------------------------------
 
-    def call(
-        self, service: str, cls: Any, request: Any, on_reply: Callable[[Reply], None], timeout_s: float | None
-    ) -> None:
+    def call(self, service: str, cls: Any, request: Any, on_reply: OnReply, timeout_s: float | None) -> None:
         once = _Once(on_reply, self._calls, self._lock)
         self._use(
             lambda: self._client(service, cls),
@@ -201,18 +197,18 @@ class Session:
             lambda: on_result(""),
         )
 
-    def send_goal(self, action: str, cls: Any, goal: Any, goal_id: str, on_report: Callable[[Report], None]) -> None:
+    def send_goal(self, action: str, cls: Any, goal: Any, goal_id: str, on_report: OnReport) -> None:
         make = partial(self._goal, action, cls, goal_id, on_report, RemoteGoal)
         self._pursue(goal_id, on_report, make, lambda sent: sent.send(goal), unmade="rejected")
 
-    def find_goal(self, action: str, cls: Any, goal_id: str, on_report: Callable[[Report], None]) -> None:
+    def find_goal(self, action: str, cls: Any, goal_id: str, on_report: OnReport) -> None:
         make = partial(self._goal, action, cls, goal_id, on_report, RecoveredGoal)
         self._pursue(goal_id, on_report, make, RecoveredGoal.find, unmade="lost")
 
     def _pursue(
         self,
         goal_id: str,
-        on_report: Callable[[Report], None],
+        on_report: OnReport,
         make: Callable[[], Made],
         begin: Callable[[Made], object],
         *,
@@ -230,12 +226,12 @@ class Session:
             self._goals[goal_id] = lose
         self._use(make, begin, lambda why: lose(why, unmade), lambda: lose("ROS was shut down"))
 
-    def _goal(self, action: str, cls: Any, goal_id: str, on_report: Callable[[Report], None], kind: type[Kind]) -> Kind:
+    def _goal(self, action: str, cls: Any, goal_id: str, on_report: OnReport, kind: type[Kind]) -> Kind:
         sent = kind(self._goal_client(action, cls), goal_id, lambda one: self._report(on_report, one), self._forget)
         self._sent[goal_id] = sent
         return sent
 
-    def _report(self, on_report: Callable[[Report], None], one: Report) -> None:
+    def _report(self, on_report: OnReport, one: Report) -> None:
         if not self._is_silent:
             on_report(one)
 
@@ -314,7 +310,7 @@ class Session:
 class _Once:
     """A callback of a call that is reported exactly once; it is in `unanswered` until then."""
 
-    def __init__(self, on_reply: Callable[[Reply], None], unanswered: set[_Once], lock: threading.Lock) -> None:
+    def __init__(self, on_reply: OnReply, unanswered: set[_Once], lock: threading.Lock) -> None:
         self._answered, self._unanswered, self._lock = on_reply, unanswered, lock
         with lock:
             unanswered.add(self)

@@ -17,7 +17,7 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.qos import DurabilityPolicy, QoSPolicyKind
 from rclpy.serialization import deserialize_message
 
-from rai_missions.connectors.connector import Close, Message, RawMessage
+from rai_missions.connectors.connector import Close, Message, OnMessage, RawMessage
 from rai_missions.connectors.ros2.config import CONVENTIONS, DEFAULT, QosProfile
 from rai_missions.connectors.ros2.messages import name_of, to_data
 from rai_missions.connectors.ros2.mixed import MessageSorter
@@ -43,9 +43,7 @@ class Listener:
         on_raw: Sent its bytes, before.
     """
 
-    def __init__(
-        self, on_message: Callable[[Message], None], on_raw: Callable[[RawMessage], None] | None = None
-    ) -> None:
+    def __init__(self, on_message: OnMessage, on_raw: Callable[[RawMessage], None] | None = None) -> None:
         self._on_message, self._on_raw = on_message, on_raw
         self.is_raw = on_raw is not None
         self.is_open = True

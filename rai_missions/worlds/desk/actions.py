@@ -8,10 +8,10 @@ only once the arm is at rest.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
-from rai_missions.connectors.connector import Data, Report
+from rai_missions.connectors.connector import Data, OnReport
 from rai_missions.worlds.desk.kinematics import ToolPose
 from rai_missions.worlds.desk.motion import Motion, SkillEnd, ThingPose
 from rai_missions.worlds.desk.skill_log import Skill
@@ -38,7 +38,7 @@ class ArmServer(GoalServer):
         super().__init__(later, at)
         self._motion = motion
 
-    def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+    def accept(self, goal_id: str, goal: Data, report: OnReport) -> None:
         running = RunningGoal(goal_id, report, self.at)
         skill = "the arm is busy with another goal" if self._motion.is_busy else self.skill(goal)
         if isinstance(skill, str):

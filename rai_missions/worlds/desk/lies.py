@@ -5,9 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rai_missions.connectors.connector import Data, Report
+from rai_missions.connectors.connector import Data, OnReport, Report
 from rai_missions.worlds.desk.actions import ArmServer
-from rai_missions.worlds.goal_server import OnReport
 
 __all__ = ("LyingServer",)
 
@@ -23,7 +22,7 @@ class LyingServer:
     def __init__(self, server: ArmServer, lies: Callable[[], bool]) -> None:
         self._server, self._lies = server, lies
 
-    def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+    def accept(self, goal_id: str, goal: Data, report: OnReport) -> None:
         self._server.accept(goal_id, goal, self._to(report))
 
     def cancel(self, goal_id: str) -> None:

@@ -8,10 +8,10 @@ a newer goal replaces the one that is pursued, which is aborted.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, Literal, NamedTuple
 
-from rai_missions.connectors.connector import Data, Report
+from rai_missions.connectors.connector import Data, OnReport
 from rai_missions.plain_data import is_number
 from rai_missions.worlds.goal_server import End, GoalServer, Later, RunningGoal
 from rai_missions.worlds.house.layout import PLACES, NamedPose
@@ -51,7 +51,7 @@ class Server(GoalServer):
         super().__init__(later, at)
         self.navigator = navigator
 
-    def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+    def accept(self, goal_id: str, goal: Data, report: OnReport) -> None:
         wanted, running = self.wanted(goal), RunningGoal(goal_id, report, self.at)
         if isinstance(wanted, str):
             self._reject(running, wanted)
@@ -163,7 +163,7 @@ class Wait(GoalServer):
 
     _until = 0.0
 
-    def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+    def accept(self, goal_id: str, goal: Data, report: OnReport) -> None:
         running, time = RunningGoal(goal_id, report, self.at), goal.get("time")
         lasts = _seconds(time)
         if lasts is None:

@@ -7,10 +7,10 @@ Rule: a goal ends as the tractor's pose and the judge of the physics state, neve
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, Literal
 
-from rai_missions.connectors.connector import Data, Report
+from rai_missions.connectors.connector import Data, OnReport
 from rai_missions.worlds.goal_server import End, GoalServer, Later, RunningGoal
 from rai_missions.worlds.messages import pose_stamped, stamp
 from rai_missions.worlds.orchard.autonomy import Autonomy
@@ -38,7 +38,7 @@ class OneGoal(GoalServer):
         super().__init__(later, at)
         self.autonomy = autonomy
 
-    def accept(self, goal_id: str, goal: Data, report: Callable[[Report], None]) -> None:
+    def accept(self, goal_id: str, goal: Data, report: OnReport) -> None:
         running = RunningGoal(goal_id, report, self.at)
         why = f"{self.name} pursues another goal" if self.running else self.begin(goal, running)
         if why:
