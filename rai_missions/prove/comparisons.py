@@ -101,7 +101,7 @@ class Comparisons:
                 self._constant(node.key, status)
         self._learn_results(mission)
         self._spread()
-        self._learn_fields()
+        self._learn_constants()
 
     def compare(self, path: str, op: str, operand: Any) -> None:
         self.atoms.setdefault(path, []).append((op, operand))
@@ -161,19 +161,22 @@ class Comparisons:
             self._constant(effect.set, effect.value)
 
     def _constant(self, path: str, value: Any) -> None:
-        """It can be this by the mission's own doing; what it is compared with can be so too, and an item of a list."""
+        """It can be this by the mission's own doing."""
         self._own.append((path, value))
-        if path in self.kin:
-            self.atoms.setdefault(path, []).append(("==", value))
-        for item in self.items.get(path, ()) if isinstance(value, list) else ():
-            for each in value:
-                self._constant(item, each)
 
-    def _learn_fields(self) -> None:
-        """The fields of an object can be what they are in it; once it is known what they are compared with."""
-        for path, value in self._own:  # grows by the objects in objects
-            for field, inner in value.items() if isinstance(value, Mapping) else ():
-                self._constant(f"{path}.{field}", inner)
+    def _learn_constants(self) -> None:
+        """Each is compared with what its path is, an item with what is in a list, a field with what is in an object.
+
+        That is known only once all copies are, in whatever order the mission has them.
+        """
+        for path, value in self._own:  # grows by what is in lists and objects
+            if path in self.kin:
+                self.atoms.setdefault(path, []).append(("==", value))
+            if isinstance(value, list):
+                items = dict.fromkeys(item for kin in sorted(self.kin_of(path)) for item in self.items.get(kin, ()))
+                self._own += [(item, each) for item in items for each in value]
+            if isinstance(value, Mapping):
+                self._own += [(f"{path}.{field}", inner) for field, inner in value.items()]
 
     def _learn_sent(self, mission: Mission) -> None:
         """A field that a goal or a request is sent with: without it the start is rejected, or the call has failed."""

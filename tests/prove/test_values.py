@@ -243,6 +243,45 @@ def test_what_is_compared_with_what_a_tree_reports_can_be_the_same() -> None:
     assert (proof.verdict, proof.never) == ("refuted", ())
 
 
+COPIED: tuple[tuple[Json, Json, Json], ...] = (
+    ({"key": "seen", "==": {"key": "wanted"}}, {"type": "string"}, {"set": "draft", "value": "cup"}),
+    ({"near": ["seen", "wanted"], "within_m": 0.5}, {"type": "pose", "frame": "map"},
+     {"set": "draft", "value": {"x": 7, "y": 3, "frame": "map"}}),
+)  # fmt: skip
+"""A guard, what kind the author's value is of, and how it is written, ahead of its copy."""
+
+
+@pytest.mark.parametrize(("guard", "kind", "written"), COPIED)
+def test_what_is_compared_with_a_copy_can_be_what_the_author_wrote_ahead_of_it(
+    guard: Json, kind: Json, written: Json
+) -> None:
+    proof = prove(Mission.model_validate({
+        "name": "copied", "initial": "here",
+        "blackboard": {"seen": {**kind, "source": "robot"}, "draft": kind, "wanted": kind},
+        "states": {"here": {"entry": [written, {"set": "wanted", "from": "draft"}],
+                            "transitions": [{"when": guard, "to": "found"}, {"after_s": 1, "to": "over"}]},
+                   "found": OVER, "over": OVER},
+    }))  # fmt: skip
+    assert (proof.sampled, proof.never) == ((), ())
+
+
+def test_what_is_compared_with_an_item_of_a_copied_list_can_be_the_same() -> None:
+    names = {"type": "list"}
+    proof = prove(Mission.model_validate({
+        "name": "copied", "initial": "here",
+        "blackboard": {"seen": {"type": "string", "source": "robot"}, "wanted": {"type": "string"},
+                       "draft": names, "names": names},
+        "states": {
+            "here": {"entry": [{"set": "draft", "value": ["cup"]}, {"set": "names", "from": "draft"}],
+                     "transitions": [{"after_s": 1, "to": "going"}]},
+            "going": {"each": "names", "as": "wanted", "initial": "looking", "states": {"looking": {"transitions": [
+                {"when": {"key": "seen", "==": {"key": "wanted"}}, "to": "found"}, {"after_s": 1, "to": "over"}]},
+                "found": OVER, "over": OVER}},
+        },
+    }))  # fmt: skip
+    assert proof.never == ()
+
+
 def test_a_step_that_replaces_a_value_is_made_once_whatever_it_was() -> None:
     """One more value of `last` is one more step that writes it, and none of those that write over it."""
 
