@@ -70,7 +70,7 @@ class Speaker:
         self._lock = threading.RLock()
         self._queue, self._ends = SpeechQueue(), SerialQueue()
         self._now: TextSound | None = None
-        self._is_held = False
+        self._is_held = self._is_person = False
         self._taken_at = time.monotonic()
         self._watch: Worker | None = None
 
@@ -83,7 +83,7 @@ class Speaker:
     def open(self) -> None:
         """Begin to speak."""
         with self._lock:
-            self._taken_at, self._is_held = time.monotonic(), False
+            self._taken_at, self._is_held, self._is_person = time.monotonic(), False, False
             if self._watch is None and self._patience_s < math.inf:
                 self._watch = Worker("watch over the speaker")
                 self._watch.every(LOOK_S, self._look)
@@ -110,8 +110,9 @@ class Speaker:
         self._ends.run()
 
     def interrupt(self) -> None:
-        """A person begins to speak: be quiet from the next frame on, unless the text is uncut."""
+        """A person begins to speak: be quiet from the next frame on; where the text is uncut, after its end."""
         with self._lock:
+            self._is_person = True
             self._is_held = self._now is None or not self._now.text.uncut
 
     def resume(self, *, cut: bool) -> None:
@@ -122,7 +123,8 @@ class Speaker:
                 is spoken again from its beginning.
         """
         with self._lock:
-            now, was_held, self._is_held = self._now, self._is_held, False
+            now, was_held = self._now, self._is_held
+            self._is_held = self._is_person = False
             if was_held and now is not None and now.played > 0:
                 if cut and not now.text.uncut:
                     self._finish("cut")
@@ -157,7 +159,7 @@ class Speaker:
 
     def _begin(self) -> None:
         if self._now is None and (text := self._queue.take()) is not None:
-            self._now, self._taken_at = TextSound(text), time.monotonic()
+            self._now, self._taken_at, self._is_held = TextSound(text), time.monotonic(), self._is_person
             self._make(self._now)
 
     def _make(self, now: TextSound) -> None:

@@ -111,10 +111,10 @@ class TurnDetector:
             self._is_short = True
 
     def take(self, frame: TurnFrame) -> tuple[TurnEvent, ...]:
-        """The next frame; what it shows."""
+        """The next frame; what it shows, and a gap before it."""
+        found = [*self._gap(frame)]
         is_speech = frame.speech >= self._settings.threshold
         self._recent.append(is_speech)
-        found: list[TurnEvent] = []
         if not self._turn:
             self._before.append(frame)
             if sum(self._recent) >= self._settings.begin_frames and is_speech:
@@ -132,6 +132,16 @@ class TurnDetector:
     def end(self) -> tuple[TurnEvent, ...]:
         """The stream ends here: so does a turn."""
         return self._ended(self._turn[-1]) if self._turn else ()
+
+    def _gap(self, frame: TurnFrame) -> tuple[TurnEvent, ...]:
+        """Frames that are missing, as from a device that was away, are quiet: a turn ends in them."""
+        before = self._turn or self._before
+        if not before or frame.at - before[-1].at - FRAME_S < self._settings.end_s:
+            return ()
+        found = self.end()
+        self._before.clear()
+        self._recent.clear()
+        return found
 
     def _speech(self, frame: TurnFrame) -> list[TurnEvent]:
         found = []

@@ -125,6 +125,22 @@ def test_what_was_shortened_and_then_continued_ends_as_any_other() -> None:
     assert [event.at for event in ended] == [pytest.approx((22 + 13) * FRAME_S)]
 
 
+@given(PROBABILITIES, PROBABILITIES, st.floats(0.41, 3600.0))
+def test_frames_that_are_missing_are_quiet_so_what_follows_a_gap_is_another_turn(
+    before: list[float], after: list[float], gap_s: float
+) -> None:
+    detector, found, begins = TurnDetector(), list[TurnEvent](), len(before) * FRAME_S + gap_s
+    for count, speech in enumerate(before):
+        found += detector.take(TurnFrame(count * FRAME_S, speech, b"b", b""))
+    for count, speech in enumerate(after):
+        found += detector.take(TurnFrame(begins + count * FRAME_S, speech, b"a", b""))
+    found += detector.end()
+    sounds = [event.clear for event in found if event.kind == "offered"]
+    assert not [each for each in sounds if {*each} == {*b"ab"}], "no turn has sound of both sides"
+    alone = [*events(before), *events(after)]
+    assert [each.kind for each in found] == [each.kind for each in alone]
+
+
 def test_a_person_who_never_pauses_is_transcribed_after_14_s() -> None:
     found = events([0.9] * 1000, end=False)
     assert found[0].kind == "began"
