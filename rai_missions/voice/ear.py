@@ -17,7 +17,7 @@ from rai_missions.voice.double_talk import DoubleTalk
 from rai_missions.voice.echo_filter import EchoFilter
 from rai_missions.voice.kind import EarReading
 
-__all__ = ("WAKE_WORDS", "EchoCanceller", "SoundEar", "open_ear")
+__all__ = ("WAKE_WORDS", "EchoCanceller", "SoundEar")
 
 PART = 2 * RATE_HZ // 100
 """Bytes of 10 ms: what the audio processing takes at once."""
@@ -30,25 +30,15 @@ HELD_FRAMES = 6
 WAKE_WORDS = ("okay_nabu", "hey_jarvis", "hey_mycroft", "alexa")
 
 
-def open_ear(wake_word: str = "", echo: bool = True) -> SoundEar:
-    """An ear.
-
-    Args:
-        wake_word: Which one is looked for; empty: none.
-        echo: Whether the echo of what is played is subtracted.
-
-    Raises:
-        UsageError: A package is not installed, or there is no such wake word.
-    """
-    return SoundEar(wake_word, echo=echo)
-
-
 class SoundEar:
     """Looks at frames in their order.
 
     Args:
         wake_word: One of `WAKE_WORDS`; empty: none.
         echo: Whether the echo of what is played is subtracted.
+
+    Raises:
+        UsageError: A package is not installed, or there is no such wake word.
     """
 
     def __init__(self, wake_word: str = "", *, echo: bool = True) -> None:

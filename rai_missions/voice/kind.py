@@ -76,16 +76,16 @@ class FrameReader(Protocol):
 
 RECOGNISERS: Mapping[str, str] = {
     "whisper": "rai_missions.voice.recognisers.whisper:open_recogniser",
-    "pocketsphinx": "rai_missions.voice.recognisers.pocketsphinx:open_recogniser",
+    "pocketsphinx": "rai_missions.voice.recognisers.pocketsphinx:PocketSphinx",
 }
 """Ours: name → what opens it, given its options as keywords."""
 VOICES: Mapping[str, str] = {
     "flite": "rai_missions.voice.voices.flite:open_voice",
-    "espeak": "rai_missions.voice.voices.espeak:open_voice",
-    "piper": "rai_missions.voice.voices.piper:open_voice",
-    "kokoro": "rai_missions.voice.voices.kokoro:open_voice",
+    "espeak": "rai_missions.voice.voices.espeak:Espeak",
+    "piper": "rai_missions.voice.voices.piper:Piper",
+    "kokoro": "rai_missions.voice.voices.kokoro:Kokoro",
 }
-EARS: Mapping[str, str] = {"ear": "rai_missions.voice.ear:open_ear"}
+EARS: Mapping[str, str] = {"ear": "rai_missions.voice.ear:SoundEar"}
 PROTOCOLS: Mapping[SpeechSort, type[Any]] = {"recogniser": Recogniser, "voice": Voice, "ear": FrameReader}
 VARIADIC = (Parameter.VAR_POSITIONAL, Parameter.VAR_KEYWORD)
 OURS: Mapping[SpeechSort, Mapping[str, str]] = {"recogniser": RECOGNISERS, "voice": VOICES, "ear": EARS}

@@ -10,7 +10,7 @@ import pytest
 from rai_missions.connectors.sound.connector import SoundFrame
 from rai_missions.connectors.sound.files import FileSound
 from rai_missions.connectors.sound.room import RoomSound
-from rai_missions.voice.ear import open_ear
+from rai_missions.voice.ear import SoundEar
 from rai_missions.voice.listener import ListenSettings, SpeechListener, Transcript
 from rai_missions.voice.process import SpeechProcess
 from rai_missions.voice.setup import ListenNames, Recognition, open_recognition
@@ -73,7 +73,7 @@ def test_two_recognisers_agree_on_an_order(collector: TranscriptCollector) -> No
 
 def test_stop_is_given_as_soon_as_its_turn_is_settled(collector: TranscriptCollector) -> None:
     recorded = quiet(0.5) + spoken("Stop.", "rms") + quiet(0.5)
-    ear, detector, settled, given = open_ear(), TurnDetector(), list[float](), list[float]()
+    ear, detector, settled, given = SoundEar(), TurnDetector(), list[float](), list[float]()
     listener = SpeechListener(
         *collector.recognition.processes, on_transcript=lambda each: given.append(sound.at) if each.text else None
     )

@@ -13,7 +13,7 @@ from typing import Any
 from rai_missions.voice.absent import absent
 from rai_missions.voice.kind import Reading
 
-__all__ = ("PocketSphinx", "grammar", "open_recogniser")
+__all__ = ("PocketSphinx", "grammar")
 
 WORD = re.compile(r"[a-z']+")
 BEST, NEXT_BEST = 2.0, 1.0
@@ -23,22 +23,17 @@ SETTINGS = {"lm": None, "loglevel": "FATAL", "samprate": 16_000, "bestpath": Fal
 four, for noise."""
 
 
-def open_recogniser() -> PocketSphinx:
-    """PocketSphinx, with the model of its wheel.
-
-    Raises:
-        UsageError: It is not installed.
-    """
-    return PocketSphinx()
-
-
 def grammar(phrases: Sequence[str]) -> str:
     """A grammar (JSpeech Grammar Format) of these phrases."""
     return f"#JSGF V1.0; grammar phrases; public <phrase> = {' | '.join(phrases)};"
 
 
 class PocketSphinx:
-    """Guesses which phrase a sound is, and which it would be otherwise."""
+    """Guesses which phrase a sound is, and which it would be otherwise, with the model of its wheel.
+
+    Raises:
+        UsageError: It is not installed.
+    """
 
     def __init__(self) -> None:
         try:

@@ -15,7 +15,7 @@ from rai_missions.connectors.sound.wav import converted
 from rai_missions.errors import UsageError, install_command
 from rai_missions.voice.absent import absent
 
-__all__ = ("Espeak", "open_voice")
+__all__ = ("Espeak",)
 
 SYNCHRONOUS, NO_EXIT, UTF8 = 2, 0x8000, 1
 RATE, WORDS_A_MINUTE = 1, 160
@@ -25,23 +25,17 @@ SPEAKING = threading.Lock()
 Callback = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.POINTER(ctypes.c_short), ctypes.c_int, ctypes.c_void_p)
 
 
-def open_voice(language: str = "en-us") -> Espeak:
-    """eSpeak NG in a language, as en-us or de.
-
-    Raises:
-        UsageError: It is not installed, or has no such language.
-    """
-    return Espeak(language)
-
-
 class Espeak:
     """The library in one language.
 
     Args:
-        language: As eSpeak NG names it.
+        language: As eSpeak NG names it, such as en-us or de.
+
+    Raises:
+        UsageError: It is not installed, or has no such language.
     """
 
-    def __init__(self, language: str) -> None:
+    def __init__(self, language: str = "en-us") -> None:
         try:
             import espeakng_loader as loader
         except ImportError:

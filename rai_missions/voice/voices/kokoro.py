@@ -15,42 +15,31 @@ from rai_missions.connectors.sound.wav import converted
 from rai_missions.errors import UsageError, install_command
 from rai_missions.voice.absent import absent
 
-__all__ = ("Kokoro", "open_voice")
-
-
-def open_voice(model: str = "", voices: str = "", speaker: str = "af_heart") -> Kokoro:
-    """Kokoro with its weights.
-
-    Args:
-        model: `kokoro-v1.0.onnx`.
-        voices: `voices-v1.0.bin`.
-        speaker: One of those in it.
-
-    Raises:
-        UsageError: It is not installed, or no weights are given.
-    """
-    return Kokoro(Path(model), Path(voices), speaker)
+__all__ = ("Kokoro",)
 
 
 class Kokoro:
     """A speaker of Kokoro.
 
     Args:
-        model: The file of the network.
-        voices: The file of the speakers.
+        model: The file of the network, `kokoro-v1.0.onnx`.
+        voices: The file of the speakers, `voices-v1.0.bin`.
         speaker: One of them.
+
+    Raises:
+        UsageError: It is not installed, or no weights are given.
     """
 
-    def __init__(self, model: Path, voices: Path, speaker: str) -> None:
+    def __init__(self, model: str = "", voices: str = "", speaker: str = "af_heart") -> None:
         os.environ["ORT_DISABLE_TELEMETRY"] = "1"  # onnxruntime reports to its maker, from its import on
         try:
             from kokoro_onnx import Kokoro as Network
         except ImportError:
             raise absent("the voice 'kokoro'", "kokoro-onnx", install_command("voice-kokoro")) from None
         for name, file in (("model", model), ("voices", voices)):
-            if not file.is_file():
+            if not Path(file).is_file():
                 raise UsageError(f"kokoro needs its weights: give {name}=FILE, not '{file}'")
-        self._network, self._speaker = Network(str(model), str(voices)), speaker
+        self._network, self._speaker = Network(model, voices), speaker
 
     def speak(self, text: str) -> Iterator[bytes]:
         """See `Voice`."""

@@ -13,35 +13,29 @@ from rai_missions.connectors.sound.wav import converted
 from rai_missions.errors import UsageError, install_command
 from rai_missions.voice.absent import absent
 
-__all__ = ("Piper", "open_voice")
-
-
-def open_voice(model: str = "") -> Piper:
-    """Piper with a voice: a file that ends in `.onnx`, with its `.onnx.json` next to it.
-
-    Raises:
-        UsageError: It is not installed, or no voice is given.
-    """
-    return Piper(Path(model))
+__all__ = ("Piper",)
 
 
 class Piper:
     """A voice of Piper.
 
     Args:
-        model: Its file.
+        model: Its file, which ends in `.onnx`, with its `.onnx.json` next to it.
+
+    Raises:
+        UsageError: It is not installed, or no voice is given.
     """
 
-    def __init__(self, model: Path) -> None:
+    def __init__(self, model: str = "") -> None:
         try:
             from piper import PiperVoice
         except ImportError:
             raise absent("the voice 'piper'", "piper-tts", install_command("voice-piper")) from None
-        if not model.is_file():
+        if not Path(model).is_file():
             raise UsageError(
                 f"piper needs a voice: give model=FILE.onnx, not '{model}' (python -m piper.download_voices)"
             )
-        self._voice = PiperVoice.load(str(model))
+        self._voice = PiperVoice.load(model)
 
     def speak(self, text: str) -> Iterator[bytes]:
         """See `Voice`."""
