@@ -27,7 +27,8 @@ class PostRefusal(NamedTuple):
 async def body_of(request: Request, most: int, what: str, kind: str = "application/json") -> bytes | PostRefusal:
     """The body; or why it is not taken.
 
-    It is of another kind, is too long, of which no more is read, or does not come to its end.
+    It is of another kind, is too long, or does not come to its end. What is refused is read to its end too and kept
+    nowhere: a connection that is closed while its client sends resets, and the client gets no answer.
 
     Args:
         request: What is posted.
@@ -35,17 +36,19 @@ async def body_of(request: Request, most: int, what: str, kind: str = "applicati
         what: What it is, for the refusal: `a message`.
         kind: Its media type.
     """
-    if request.headers.get("content-type", "").partition(";")[0].strip().lower() != kind:
-        return PostRefusal(415, f"{what} is {kind}")
+    is_kind = request.headers.get("content-type", "").partition(";")[0].strip().lower() == kind
     found = bytearray()
     try:
         async with asyncio.timeout(COMES_WITHIN_S):
             async for piece in request.stream():
-                found += piece
-                if len(found) > most:
-                    return PostRefusal(413, f"{what} has at most {most} bytes")
+                if is_kind and len(found) <= most:
+                    found += piece
     except TimeoutError:
         return PostRefusal(408, f"{what} comes within {COMES_WITHIN_S:g} s; post it again")
+    if not is_kind:
+        return PostRefusal(415, f"{what} is {kind}")
+    if len(found) > most:
+        return PostRefusal(413, f"{what} has at most {most} bytes")
     return bytes(found)
 
 

@@ -21,7 +21,7 @@ from visualize.live.sound import SoundDesk
 __all__ = ("TalkDesk", "TalkPages")
 
 LARGEST_TALK = 16_384
-"""Bytes of a message; a longer one is not read to its end."""
+"""Bytes of a message; of a longer one nothing is kept."""
 
 
 class TalkDesk(Protocol):
