@@ -94,8 +94,16 @@ class Assembly:
         found = []
         for sender, sequence in tuple(self._open.items()):
             if self._due(sequence) <= at:
-                found.append(self._end(sender, "" if sequence.is_lone else self._lateness(sequence)))
+                late = f"{sequence.lacking()} did not come within {self._within_s:g} s"
+                found.append(self._end(sender, "" if sequence.is_lone else late))
         return tuple(found)
+
+    def leave(self) -> tuple[ReceivedMessage, ...]:
+        """What is incomplete once no more is received; all of it is given up."""
+        return tuple(
+            self._end(sender, f"{sequence.lacking()} had not come when the topic was left")
+            for sender, sequence in tuple(self._open.items())
+        )
 
     def _join(self, sender: Sender, part: HRIMessage, at: float) -> tuple[ReceivedMessage, ...]:
         sequence = self._open.get(sender) or self._open.setdefault(sender, _Sequence(at, at))
@@ -122,11 +130,6 @@ class Assembly:
         if sequence.is_lone:
             return sequence.latest + self._lone_s
         return min(sequence.latest + self._within_s, sequence.began + 10 * self._within_s)
-
-    def _lateness(self, sequence: _Sequence) -> str:
-        lacking = sequence.received().missing
-        what = f"parts {', '.join(map(str, lacking))}" if lacking else "the last part"
-        return f"{what} did not come within {self._within_s:g} s"
 
     def _end(self, sender: Sender, why: str = "") -> ReceivedMessage:
         sequence = self._open.pop(sender)
@@ -188,6 +191,11 @@ class _Sequence:
         if max(sum(len(each.images) for each in every), sum(len(each.audios) for each in every)) > MOST_ITEMS:
             return f"it has more than {MOST_ITEMS} pictures or pieces of sound"
         return ""
+
+    def lacking(self) -> str:
+        """The parts that are still to come, in words."""
+        missing = self.received().missing
+        return f"parts {', '.join(map(str, missing))}" if missing else "the last part"
 
     def received(self, why: str = "") -> ReceivedMessage:
         parts = [self.parts[number] for number in sorted(self.parts)]

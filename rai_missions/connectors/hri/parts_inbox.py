@@ -48,10 +48,12 @@ class PartsInbox:
         self._queue.run()
 
     def close(self) -> None:
-        """Pass nothing on any more."""
+        """Report what is incomplete, and pass nothing on any more."""
         with self._lock:
-            self._is_closed = True
             self._cancel()
+            self._pass(self._assembly.leave())
+            self._is_closed = True
+        self._queue.run()
 
     def _look(self) -> None:
         with self._lock:

@@ -94,6 +94,20 @@ def test_what_is_not_received_whole_is_logged_where_no_one_asks_for_it(
     ]
 
 
+def test_what_is_incomplete_once_the_topic_is_left_is_reported_once(hri: HRIConnector, clock: Clock) -> None:
+    got, faults = list[HRIMessage](), list[Any]()
+    hri.listen(FROM_HUMAN, got.append, on_fault=faults.append)
+    for number, name in ((0, "Anna"), (1, "Ben")):
+        hri.send(HRIMessage("half", name=name, communication_id="id", seq_no=number, seq_end=False), FROM_HUMAN)
+    hri.close()
+    clock.move(60.0)
+    assert got == []
+    assert [(each.message.name, each.message.text, each.why) for each in faults] == [
+        ("Anna", "half", "the last part had not come when the topic was left"),
+        ("Ben", "half", "parts 0 had not come when the topic was left"),
+    ]
+
+
 def test_a_listener_that_fails_keeps_no_message_from_the_next(hri: HRIConnector) -> None:
     got: list[str] = []
 
