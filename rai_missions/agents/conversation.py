@@ -391,18 +391,20 @@ class ConversationalAgent:
             repeated=speech.repeated,
             report=speech.report,
         )
-        self._lines[speech.key] = line
+        ended: list[SpeechResult] = []
 
         def on_end(result: SpeechResult) -> None:
+            ended.append(result)
             self._worker.post(partial(self._spoken, speech, SpeechEnd(speech.key, result, self._now())))
 
         self._doors.speak(speech, on_end)  # first: who answers what is shown does so after its end
+        self._lines[speech.key] = line = _ended(line, *ended)
         self._show(line)
 
     def _spoken(self, speech: Speech, end: SpeechEnd) -> None:
         line = self._lines.pop(speech.key, None)
-        if line is not None and end.result != "whole":
-            self._show(line._replace(spoken=end.result))
+        if line is not None and (late := _ended(line, end.result)) != line:
+            self._show(late)
         self._perform(self._dialogue.on_speech_end(end))
         if self._attached is not None and speech.report == f"{self._attached.status.run}:end" and end.result == "whole":
             self._end_reported.set()
@@ -453,6 +455,11 @@ class ConversationalAgent:
 
     def _failed(self, error: BaseException) -> Any:
         log.error("the conversation met an error and continues: %s: %s", type(error).__name__, error, exc_info=error)
+
+
+def _ended(line: TalkLine, result: SpeechResult = "whole") -> TalkLine:
+    """A line of the robot's whose speech has ended so."""
+    return line if result == "whole" else line._replace(spoken=result)
 
 
 def _check_sorts(settings: object, model: object, library: object, doors: object) -> None:

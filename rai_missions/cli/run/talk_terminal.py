@@ -32,7 +32,7 @@ from rai_missions.plain_data import printable
 __all__ = ("LineInput", "TalkLines", "TypedLines", "open_typing")
 
 WAYS = {"rules": "robot", "model": "robot, the model thinks", "documents": "robot, quoting", "unknown": "robot"}
-UNHEARD = {"cut": " (interrupted)", "failed": " (not spoken)"}
+UNHEARD = {"cut": " (interrupted)", "failed": " (no one could be reached)"}
 TakeLine = Callable[[str, float], str]
 """Takes a line, and how many seconds ago it came at the earliest; why it does not, or empty."""
 

@@ -287,6 +287,19 @@ def test_an_end_that_no_one_could_read_is_reported_when_a_door_opens_and_marked(
         assert talk.screen.until(lambda line: line.report.endswith(":end") and not line.spoken).repeated
 
 
+def test_a_reply_at_a_door_that_is_shut_is_shown_once_and_marked() -> None:
+    page = TextDoor("page", lambda _: None, lambda: False)
+    with talked(doors=[page]) as talk:
+        running(talk)
+        for channel in ("page", "terminal"):
+            assert talk.agent.receive("what are you doing?", role="operator", channel=channel) == ""
+            settle(talk.agent)
+        replies = [
+            (line.channel, line.spoken) for line in talk.screen.every if line.text.endswith("moves to the shed.")
+        ]
+        assert replies == [("page", "failed"), ("terminal", "")]
+
+
 def test_a_sentence_that_is_too_long_or_empty_is_refused_with_the_reason() -> None:
     with talked() as talk:
         receive = talk.agent.receive
