@@ -177,9 +177,13 @@ class SpeechListener:
     def finish(self, within_s: float = 60.0) -> bool:
         """The stream ends here: wait until all is transcribed; whether it is."""
         done = self.catch_up(within_s)
+        self.end()
+        return self.catch_up(within_s) and done
+
+    def end(self) -> None:
+        """The stream ends here: so does a turn; returns at once."""
         self._count(1)
         self._post(self._end_turn)
-        return self.catch_up(within_s) and done
 
     # -- one at a time -------------------------------------------------------------------------------------------------
 

@@ -45,9 +45,12 @@ class Recognition(NamedTuple):
             process.wait_open()
 
     def close(self) -> None:
-        """End all processes."""
-        for process in self.processes:
-            process.close()
+        """End all processes; a turn that is open ends with what is known of it, so that a voice waits for no one."""
+        ear, *recognisers = self.processes
+        ear.close()
+        self.listener.end()
+        for recogniser in recognisers:
+            recogniser.close()
 
 
 def open_recognition(

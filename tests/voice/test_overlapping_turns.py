@@ -19,6 +19,7 @@ from rai_missions.connectors.sound.connector import FRAME_BYTES, FRAME_S, SoundF
 from rai_missions.testing import Inbox
 from rai_missions.voice.listener import SpeechListener, Transcript
 from rai_missions.voice.process import SpeechProcess
+from rai_missions.voice.setup import Recognition
 
 PACKAGE = """
 from rai_missions.voice.kind import EarReading, Reading
@@ -87,8 +88,7 @@ class Scene:
         return self.found.wait(lambda all_: len(all_) >= count, f"{count} things are reported")
 
     def close(self) -> None:
-        self._words.close()
-        self._ear.close()
+        Recognition(self._listener, (self._ear, self._words)).close()
 
 
 @pytest.fixture
@@ -127,3 +127,10 @@ def test_a_transcript_has_the_instant_at_which_it_is_given(scene: Scene) -> None
     scene.words("yes")
     found = scene.wait(2)[1]
     assert (found.began, found.given) == (pytest.approx(12 * FRAME_S), pytest.approx(58 * FRAME_S))
+
+
+def test_a_person_who_speaks_as_the_listening_ends_has_a_transcript_so_that_last_words_are_spoken(scene: Scene) -> None:
+    scene.frames(*[SPEECH] * 5)
+    assert [each.what for each in scene.wait(1)] == ["present"]
+    scene.close()
+    assert [each.what for each in scene.wait(2)] == ["present", ""]
