@@ -30,6 +30,10 @@ GROUP = "rai_missions.languages"
 """The entry points of languages: a code, and where its file is."""
 QUOTING = ":"
 """What is behind it in a sentence may be the words of others."""
+NO_MEANING = ("asking", "articles", "pronouns", "addressing", "prepositions", "auxiliaries", "subjects", "fillers")
+"""Tables of words that may be in any question."""
+SHORTEST_MEANING = 3
+"""Letters of the shortest word that may name a key without being its whole name."""
 MOST_NAMES = 1000
 """Names of the format that are remembered without their unit: each sentence asks for those of all keys."""
 
@@ -50,6 +54,7 @@ class Language(LanguageTexts):
         self.articles = frozenset(data["articles"])
         self.spatial = frozenset(data["parts"]["spatial"].replace("|", " ").split())
         """The words that relate a thing to a place: `in`, `next`, `to`."""
+        self._without_meaning = frozenset(word for table in NO_MEANING for word in data[table])
         self._plural_ending: str = data["plural_ending"]
         verbs: Mapping[str, Sequence[str]] = data["verbs"]
         self.parts: Mapping[str, str] = parts_of(data["parts"], verbs)
@@ -177,6 +182,13 @@ class Language(LanguageTexts):
     def singular(self, word: str) -> str:
         """A word without the ending of a plural, so that `cups` is `cup`; only for comparing."""
         return word.removesuffix(self._plural_ending)
+
+    def meanings(self, word: str) -> frozenset[str]:
+        """The words of a key's name that a word of a question may mean: `temperature` of `hot`; none of `the`."""
+        if word in self._without_meaning or len(word) < SHORTEST_MEANING:
+            return frozenset()
+        forms = (word + ending for ending in self.data["participle_endings"])
+        return frozenset(map(self.singular, (word, *forms, *self.data["measures"].get(word, ()))))
 
     def name_of(self, name: str) -> str:
         """A name of the format as it is spoken, without its unit: `height_m` is `height`."""

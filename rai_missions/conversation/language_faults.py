@@ -27,6 +27,7 @@ OF_OWN_WORDS = frozenset(
         "halves",
         "hundred",
         "indefinite",
+        "measures",
         "mishearings",
         "numbers",
         "ordinals",

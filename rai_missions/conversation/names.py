@@ -11,12 +11,23 @@ from rai_missions.conversation.view import KeyView, MissionView, StatusView
 from rai_missions.engine.decision import Offer
 from rai_missions.planning.text.numbers import ordinal
 
-__all__ = ("NamedOption", "called", "key_named", "key_within", "missions_named", "option_named", "option_place")
+__all__ = (
+    "NamedOption",
+    "called",
+    "key_named",
+    "key_within",
+    "keys_about",
+    "missions_named",
+    "option_named",
+    "option_place",
+)
 
 LONGEST_NAME = 3
 """Words of the longest name of a key that is looked for in a sentence."""
 SHORTEST = 4
 """Letters of a word that alone may mean a key by its `about`."""
+MOST_ABOUT = 3
+"""Keys that an answer to a question in free words has at most."""
 
 
 def _names(key: KeyView, language: Language) -> Iterator[tuple[str, list[str]]]:
@@ -71,6 +82,32 @@ def key_within(words: Sequence[str], keys: Mapping[str, KeyView], language: Lang
             if path := key_named(words[at : at + size], keys, language, strict=True):
                 return path
     return ""
+
+
+def keys_about(
+    words: Sequence[str], keys: Mapping[str, KeyView], language: Language, *, whole: bool = False
+) -> list[str]:
+    """The paths of the keys that a question in free words is about: `motor_temperature_c` of `how hot is the motor`.
+
+    They are reported by the robot, and their names share most words with the question. A word that measures, `hot`,
+    is as good as what it measures. Empty where no name shares any, or too many share as many.
+
+    Args:
+        words: Of the question.
+        keys: Those that there are, by name.
+        language: Whose articles, units and measures count.
+        whole: The name must share each word but articles and the like.
+    """
+    meant = [each for word in words if (each := language.meanings(word))]
+    shared = dict[str, tuple[int, int, str]]()
+    for key in keys.values() if meant else ():
+        for path, names in _names(key, language) if key.source == "robot" else ():
+            singular = set(map(language.singular, names))
+            found = (sum(not each.isdisjoint(singular) for each in meant), -len(names), path)
+            shared[key.name] = max(found, shared.get(key.name, found))
+    most = max((count for count, _, _ in shared.values()), default=0)
+    paths = [path for count, _, path in shared.values() if count == most > 0]
+    return [] if len(paths) > MOST_ABOUT or (whole and most < len(meant)) else paths
 
 
 def missions_named(words: Sequence[str], view: StatusView, language: Language) -> list[MissionView]:

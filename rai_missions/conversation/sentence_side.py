@@ -378,9 +378,9 @@ class SentenceSide:
         names = tuple(language.word("order_names", each) for each in ORDERS if may(utterance.role, each, settings))
         ordered = self._orders.given.ordered_by(utterance.speaker)
         last = next((each.text for each in reversed(self._talk.turns) if _is_spoken(each, utterance)), "")
-        return Asker(
-            ordered, self._orders.waiting, names, self._orders.given.stopping_by, last, self._speaking.reports.last_end
-        )
+        stopping_by, last_end = self._orders.given.stopping_by, self._speaking.reports.last_end
+        words = tuple(language.normaliser.words(utterance.text))
+        return Asker(ordered, self._orders.waiting, names, stopping_by, last, last_end, words)
 
 
 def _stop_in(each: Sequence[Sequence[Sense]]) -> Sense | None:

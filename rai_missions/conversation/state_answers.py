@@ -13,7 +13,7 @@ from typing import NamedTuple
 from rai_missions.conversation.build_answers import BUILD, build_sentence, knows_build
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.mentions import count_sentence, mention_sentences
-from rai_missions.conversation.names import key_named
+from rai_missions.conversation.names import key_named, key_within, keys_about
 from rai_missions.conversation.places import place_named, place_sentence, place_words
 from rai_missions.conversation.question_words import question_text
 from rai_missions.conversation.run_words import control_text, end_text, goals_text
@@ -63,6 +63,8 @@ class Asker(NamedTuple):
     """What the robot spoke last, of the rules; empty before that."""
     last_end: str = ""
     """What was last reported at the end of a run; empty before the first end."""
+    words: tuple[str, ...] = ()
+    """Of the sentence that asks."""
 
 
 def _poses(view: StatusView) -> list[KeyView]:
@@ -137,7 +139,14 @@ class StateAnswers:
         if sense.name == "value":
             text = value_sentence(sense.key, view.keys, self.language)
             return text if is_known(sense.key, view.keys) else self._after(text, view, asker)
-        return self._by_name[sense.name](view, asker)
+        facts = self._reported_of(asker.words, view) if self._lacks(sense.name, view) else ""
+        return facts or self._by_name[sense.name](view, asker)
+
+    def _lacks(self, name: str, view: StatusView) -> bool:
+        """Whether the run reports nothing of what a question asks: a fact that its words name is better, then."""
+        if name == "progress":
+            return view.is_alive and not self._steps(view)
+        return not _poses(view) if name == "where" else name in BUILD and not knows_build(name, view)
 
     def status(self, view: StatusView) -> str:
         """What the mission does now: its mode, its state with its `about`, how far it is, and what it waits for."""
@@ -215,13 +224,27 @@ class StateAnswers:
         """How many entries of one list name a thing; empty where none has any."""
         return count_sentence(thing.split(), view, self.language, self._results)
 
+    def nearest(self, words: Sequence[str], view: StatusView) -> str:
+        """The facts that a question in free words is about; empty where it names none."""
+        if path := key_within(words, view.keys, self.language):
+            return key_sentence(path, view.keys, self.language)
+        return self._reported_of(words, view)
+
+    def _reported_of(self, words: Sequence[str], view: StatusView) -> str:
+        facts = self._about(keys_about(words, view.keys, self.language), view)
+        return self.language.text("nearest", facts=" ".join(facts)) if facts else ""
+
+    def _about(self, paths: Sequence[str], view: StatusView) -> list[str]:
+        return [key_sentence(path, view.keys, self.language) for path in paths]
+
     def facts(self, words: Sequence[str], view: StatusView) -> list[str]:
-        """What is known of a thing: the place of that name, else the facts that name it."""
+        """What is known of a thing: the place of that name, else the facts that name it, or are of it by their name."""
         place = place_named(words, self._places, self.language)
         if place is not None:
             poses = [key for key in _poses(view) if key.is_fresh and is_known(key.name, view.keys)]
             return [place_sentence(place, self._places[place], poses[0] if poses else None, self.language)]
-        return mention_sentences(words, view, self.language, self._results)
+        mentions = mention_sentences(words, view, self.language, self._results)
+        return mentions or self._about(keys_about(words, view.keys, self.language, whole=True), view)
 
     def _with_place(self, text: str, key: KeyView | None) -> str:
         """With the place of a pose that is spoken."""

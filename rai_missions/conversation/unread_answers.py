@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 from rai_missions.conversation.language import Language
-from rai_missions.conversation.names import key_named, key_within
+from rai_missions.conversation.names import key_named
 from rai_missions.conversation.state_answers import StateAnswers
 from rai_missions.conversation.values import key_sentence
 from rai_missions.conversation.view import StatusView
@@ -66,6 +66,8 @@ class UnreadAnswers:
             is_first: It is the first such sentence of the conversation: what is read is named.
         """
         language, sentence = self._language, _unread(text, self._language)
+        if sentence.kind == "question" and (facts := self._answers.nearest(sentence.subject, view)):
+            return facts
         parts = [language.text(OPENINGS[sentence.kind])]
         if sentence.kind == "question":
             parts += [self._asked(sentence.subject, view)]
@@ -75,9 +77,7 @@ class UnreadAnswers:
         return " ".join(filter(None, parts))
 
     def _asked(self, words: Sequence[str], view: StatusView) -> str:
-        """The fact that a question names, or the robot's own state, where the question is put to it; else nothing."""
-        if path := key_within(words, view.keys, self._language):
-            return key_sentence(path, view.keys, self._language)
+        """The robot's own state, where a question is put to it; else nothing."""
         return self._answers.status(view) if set(words) & set(self._language.data["addressing"]) else ""
 
     def _reported(self, subject: Sequence[str], view: StatusView) -> str:
