@@ -9,12 +9,15 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field
 
 from rai_missions.connectors.connector import Close, Message, OnMessage
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import logger
 from rai_missions.tools.access import AllowedConnector, Sample, until
+from rai_missions.tools.arguments import Age, Name, Text, Timeout
 from rai_missions.tools.detections import Detection, detections_of
 from rai_missions.tools.latest import Latest
 from rai_missions.tools.ranging import PinholeCamera, Range, camera_of, cloud_points, depth_points, ranged
@@ -26,6 +29,8 @@ __all__ = ("GeometryTools",)
 log = logger(__name__)
 
 TF_TYPE = "tf2_msgs/msg/TFMessage"
+AT_S = "When, in seconds, as the stamps of messages state; empty: the newest."
+APART_S = "How far apart in time detections and depth may be."
 TOPICS = (("/tf", False), ("/tf_static", True))
 
 
@@ -51,13 +56,14 @@ class GeometryTools:
 
     def get_transform(
         self,
-        target: str,
-        source: str,
+        target: Annotated[Name, Field(description="The frame in which the answer is reported, such as 'map'.")],
+        source: Annotated[Name, Field(description="The frame whose pose is asked for, such as 'base_link'.")],
         *,
-        at_s: float | None = None,
-        max_age_s: float | None = None,
-        timeout_s: float = 2.0,
+        at_s: Annotated[float | None, Field(allow_inf_nan=False, description=AT_S)] = None,
+        max_age_s: Age = None,
+        timeout_s: Timeout = 2.0,
     ) -> ToolResult:
+        """Where one coordinate frame lies in another: translation in metres, rotation as a quaternion, yaw."""
         target, source = target.lstrip("/"), source.lstrip("/")
         found = self._lookup(target, source, at_s, until(timeout_s))
         age_s = None if found.received_at is None else max(0.0, self._reach.now() - found.received_at)
@@ -81,16 +87,19 @@ class GeometryTools:
 
     def get_distance_to_objects(
         self,
-        detections_topic: str,
+        detections_topic: Annotated[
+            Name, Field(description="Where a detector reports what it sees: boxes with names.")
+        ],
         *,
-        depth_topic: str = "",
-        cloud_topic: str = "",
-        camera_info_topic: str = "",
-        names: Sequence[str] = (),
-        max_age_s: float | None = 2.0,
-        max_apart_s: float = 0.5,
-        timeout_s: float = 5.0,
+        depth_topic: Annotated[Text, Field(description="A depth image's topic; this or cloud_topic.")] = "",
+        cloud_topic: Annotated[Text, Field(description="A point cloud's topic; this or depth_topic.")] = "",
+        camera_info_topic: Annotated[Text, Field(description="The camera's calibration; for a depth image.")] = "",
+        names: Annotated[Sequence[str], Field(max_length=100, description="Only objects with these names.")] = (),
+        max_age_s: Age = 2.0,
+        max_apart_s: Annotated[float, Field(ge=0, le=60, description=APART_S)] = 0.5,
+        timeout_s: Timeout = 5.0,
     ) -> ToolResult:
+        """How far from the camera, in metres, the objects are that a detector sees."""
         if bool(depth_topic) == bool(cloud_topic):
             raise UsageError("state one of depth_topic and cloud_topic: what the distances are measured with")
         if depth_topic and not camera_info_topic:

@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field
 
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import cut_repr
 from rai_missions.tools.access import AllowedConnector, Sample, until
 from rai_missions.tools.actuators import result_of
+from rai_missions.tools.arguments import Age, Metres, Name, Text, Timeout
 from rai_missions.tools.geometry import GeometryTools
 from rai_missions.tools.goals import ToolGoals
 from rai_missions.tools.occupancy import LEGEND, grid_of
@@ -22,6 +25,9 @@ from rai_missions.tools.transforms import planar
 
 __all__ = ("NavigationTools",)
 
+POSE_TOPIC = "Where the robot publishes its pose, such as '/amcl_pose' or '/odom'; empty: from the transforms."
+RADIUS_M = "Around the point: half of the side shown, in metres."
+ACCEPT_S = "How long its server may take to accept it, in seconds; 0 to 60."
 NAVIGATE_TYPE, GRID_TYPE = "nav2_msgs/action/NavigateToPose", "nav_msgs/msg/OccupancyGrid"
 
 
@@ -40,12 +46,13 @@ class NavigationTools:
     def get_robot_pose(
         self,
         *,
-        topic: str = "",
-        frame: str = "map",
-        robot_frame: str = "base_link",
-        max_age_s: float | None = None,
-        timeout_s: float = 2.0,
+        topic: Annotated[Text, Field(description=POSE_TOPIC)] = "",
+        frame: Annotated[Name, Field(description="Without a topic: the frame in which the pose is reported.")] = "map",
+        robot_frame: Annotated[Name, Field(description="Without a topic: the robot's own frame.")] = "base_link",
+        max_age_s: Age = None,
+        timeout_s: Timeout = 2.0,
     ) -> ToolResult:
+        """Where the robot is: x, y and yaw in a frame."""
         if topic:
             newest = self._newest(topic, "", max_age_s, timeout_s)
             return _pose(*_planar(newest.data), age_s=newest.age_s)
@@ -55,14 +62,20 @@ class NavigationTools:
 
     def get_occupancy_grid(
         self,
-        topic: str = "/map",
+        topic: Annotated[Name, Field(description="The map's topic, of nav_msgs/msg/OccupancyGrid.")] = "/map",
         *,
-        x: float | None = None,
-        y: float | None = None,
-        radius_m: float = 5.0,
-        max_age_s: float | None = None,
-        timeout_s: float = 5.0,
+        x: Annotated[
+            Metres | None, Field(description="Only around this point of the map's frame, in metres; with y.")
+        ] = None,
+        y: Annotated[Metres | None, Field(description="Its other coordinate.")] = None,
+        radius_m: Annotated[float, Field(gt=0, le=1e6, description=RADIUS_M)] = 5.0,
+        max_age_s: Age = None,
+        timeout_s: Timeout = 5.0,
     ) -> ToolResult:
+        """The robot's map, or its part around a point.
+
+        It is in at most 40 rows of characters: free, occupied, unknown.
+        """
         if (x is None) != (y is None):
             raise UsageError("x and y: state both, or neither for the whole map")
         center = None if x is None or y is None else (x, y)
@@ -88,14 +101,20 @@ class NavigationTools:
 
     def navigate_to_pose(
         self,
-        x: float,
-        y: float,
+        x: Annotated[Metres, Field(description="Where to, in metres of the frame.")],
+        y: Annotated[Metres, Field(description="Its other coordinate.")],
         *,
-        yaw: float = 0.0,
-        frame: str = "map",
-        action: str = "/navigate_to_pose",
-        timeout_s: float = 5.0,
+        yaw: Annotated[
+            float, Field(ge=-7, le=7, allow_inf_nan=False, description="The heading there, in radians.")
+        ] = 0.0,
+        frame: Annotated[Name, Field(description="The frame of x, y and yaw.")] = "map",
+        action: Annotated[Name, Field(description="The action's whole name.")] = "/navigate_to_pose",
+        timeout_s: Annotated[Timeout, Field(description=ACCEPT_S)] = 5.0,
     ) -> ToolResult:
+        """Send the robot to a pose, with Nav2.
+
+        Reports whether it took the goal, and the goal's id, as start_action does.
+        """
         if not all(map(math.isfinite, (x, y, yaw))):
             raise UsageError(f"x, y and yaw: ({x}, {y}, {yaw}) is no pose")
         ends = until(timeout_s)

@@ -6,15 +6,22 @@ Rule: nothing here changes anything on the robot.
 
 from __future__ import annotations
 
+from typing import Annotated
+
+from pydantic import Field
+
 from rai_missions.connectors.connector import ConnectorMode
 from rai_missions.errors import UsageError
 from rai_missions.tools.access import AllowedConnector, Sample
+from rai_missions.tools.arguments import Age, Name, Text, Timeout, TypeName
 from rai_missions.tools.images import block, image_of
 from rai_missions.tools.result import ToolResult, at_path
 
 __all__ = ("SensorTools",)
 
 MOST_LISTED = 200
+Containing = Annotated[Text, Field(description="Only names with this text in them.")]
+NewerAge = Annotated[Age, Field(description="The oldest that will do, in seconds; wait for a newer one.")]
 
 
 class SensorTools:
@@ -27,13 +34,16 @@ class SensorTools:
     def __init__(self, reach: AllowedConnector) -> None:
         self._reach = reach
 
-    def list_topics(self, containing: str = "") -> ToolResult:
+    def list_topics(self, containing: Containing = "") -> ToolResult:
+        """The robot's topics with their types."""
         return self._list("topics", containing)
 
-    def list_services(self, containing: str = "") -> ToolResult:
+    def list_services(self, containing: Containing = "") -> ToolResult:
+        """The robot's services with their types."""
         return self._list("services", containing)
 
-    def list_actions(self, containing: str = "") -> ToolResult:
+    def list_actions(self, containing: Containing = "") -> ToolResult:
+        """The robot's actions with their types."""
         return self._list("actions", containing)
 
     def _list(self, mode: ConnectorMode, containing: str) -> ToolResult:
@@ -54,7 +64,14 @@ class SensorTools:
             f"{len(rows)} {mode} are there, with their types{more}.", {mode: rows, "hidden": hidden}, shown
         )
 
-    def describe_type(self, type_name: str) -> ToolResult:
+    def describe_type(
+        self,
+        type_name: Annotated[
+            Name,
+            Field(description="'std_msgs/msg/String', 'std_srvs/srv/Trigger' or 'nav2_msgs/action/NavigateToPose'."),
+        ],
+    ) -> ToolResult:
+        """The fields of a message, service or action type."""
         try:
             from rai_missions.connectors.ros2.types import (
                 describe_type,  # ROS's packages are found when asked for
@@ -66,13 +83,14 @@ class SensorTools:
 
     def receive_message(
         self,
-        topic: str,
+        topic: Annotated[Name, Field(description="The topic's whole name, such as '/tractor1/battery'.")],
         *,
-        field: str = "",
-        max_age_s: float | None = None,
-        timeout_s: float = 2.0,
-        type_name: str = "",
+        field: Annotated[Text, Field(description="Only this field of it, such as 'pose.position.x'.")] = "",
+        max_age_s: NewerAge = None,
+        timeout_s: Timeout = 2.0,
+        type_name: TypeName = "",
     ) -> ToolResult:
+        """The newest message of a topic, with its age in seconds. States it if none comes in time."""
         newest, too_old = self._reach.newest(topic, type_name, max_age_s, timeout_s)
         if newest is None:
             return self._silent(topic, max_age_s, timeout_s, too_old)
@@ -82,8 +100,14 @@ class SensorTools:
         return ToolResult(f"This is {part}the newest message of {topic}, {_old(newest)}:", data, value)
 
     def get_image(
-        self, topic: str, *, max_age_s: float | None = None, timeout_s: float = 5.0, type_name: str = ""
+        self,
+        topic: Annotated[Name, Field(description="The camera's topic, of sensor_msgs/msg/Image or CompressedImage.")],
+        *,
+        max_age_s: NewerAge = None,
+        timeout_s: Timeout = 5.0,
+        type_name: TypeName = "",
     ) -> ToolResult:
+        """The newest picture of a camera, with its age in seconds."""
         newest, too_old = self._reach.newest(topic, type_name, max_age_s, timeout_s)
         if newest is None:
             return self._silent(topic, max_age_s, timeout_s, too_old)

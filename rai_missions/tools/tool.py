@@ -10,10 +10,11 @@ from collections.abc import Callable
 from typing import Any, Literal
 
 from langchain_core.tools import BaseTool, ToolException
-from pydantic import BaseModel, Field, ValidationError
+from pydantic import Field, ValidationError
 
 from rai_missions.errors import MissionError
 from rai_missions.redaction import cut, logger
+from rai_missions.tools.arguments import arguments_of
 from rai_missions.tools.result import ToolResult
 
 __all__ = ("RobotTool",)
@@ -61,9 +62,12 @@ class RobotTool(BaseTool):
             raise ToolException(f"failed: {type(fault).__name__}: {cut(fault, 200)}") from fault
 
 
-def robot_tool(
-    name: str, about: str, arguments: type[BaseModel], act: Callable[..., ToolResult], *, read_only: bool
-) -> RobotTool:
-    """A tool of a name, with what a model is shown of it."""
-    marks = {"read_only": read_only, "marks_data": True}
-    return RobotTool(name=name, description=about, args_schema=arguments, act=act, metadata=marks)
+def robot_tool(act: Callable[..., ToolResult], *, read_only: bool) -> RobotTool:
+    """A function as a tool: its name, its docstring and its signature are what a model is shown of it."""
+    return RobotTool(
+        name=act.__name__,
+        description=" ".join((act.__doc__ or "").split()),
+        args_schema=arguments_of(act),
+        act=act,
+        metadata={"read_only": read_only, "marks_data": True},
+    )

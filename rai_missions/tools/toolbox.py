@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from rai_missions.connectors.connector import Connector
-from rai_missions.tools import arguments as args
 from rai_missions.tools.access import AllowedConnector, until
 from rai_missions.tools.actuators import ActuatorTools
 from rai_missions.tools.allowlist import Allowlist
 from rai_missions.tools.geometry import GeometryTools
 from rai_missions.tools.goals import GoalState, ToolGoals
 from rai_missions.tools.navigation import NavigationTools
+from rai_missions.tools.result import ToolResult
 from rai_missions.tools.sensors import SensorTools
 from rai_missions.tools.tool import RobotTool, robot_tool
 
@@ -41,7 +41,32 @@ class Toolbox:
         self.looking, self.measuring = SensorTools(self._reach), GeometryTools(self._reach)
         self.acting = ActuatorTools(self._reach, self._goals)
         self.navigating = NavigationTools(self._reach, self.measuring, self._goals)
-        self.tools: tuple[RobotTool, ...] = (*_that_look(self), *_that_act(self))
+        look, measure, drive, act = self.looking, self.measuring, self.navigating, self.acting
+        looks: tuple[Callable[..., ToolResult], ...] = (
+            look.list_topics,
+            look.list_services,
+            look.list_actions,
+            look.describe_type,
+            look.receive_message,
+            look.get_image,
+            measure.get_transform,
+            measure.get_distance_to_objects,
+            drive.get_robot_pose,
+            drive.get_occupancy_grid,
+            act.list_goals,
+            act.watch_action,
+        )
+        acts: tuple[Callable[..., ToolResult], ...] = (
+            act.publish_message,
+            act.call_service,
+            act.start_action,
+            drive.navigate_to_pose,
+            act.cancel_action,
+        )
+        self.tools: tuple[RobotTool, ...] = (
+            *(robot_tool(each, read_only=True) for each in looks),
+            *(robot_tool(each, read_only=False) for each in acts),
+        )
 
     @property
     def read_only(self) -> tuple[RobotTool, ...]:
@@ -58,69 +83,3 @@ class Toolbox:
     def close(self) -> None:
         """Stop, for a caller that needs no answer."""
         self.stop()
-
-
-def _that_look(box: Toolbox) -> tuple[RobotTool, ...]:
-    """Each has the name of its function."""
-    look, measure, drive = box.looking, box.measuring, box.navigating
-    rows = (
-        ("The robot's topics with their types.", args.List, look.list_topics),
-        ("The robot's services with their types.", args.List, look.list_services),
-        ("The robot's actions with their types.", args.List, look.list_actions),
-        ("The fields of a message, service or action type.", args.DescribeType, look.describe_type),
-        (
-            "The newest message of a topic, with its age in seconds. States it if none comes in time.",
-            args.ReceiveMessage,
-            look.receive_message,
-        ),
-        ("The newest picture of a camera, with its age in seconds.", args.GetImage, look.get_image),
-        (
-            "Where one coordinate frame lies in another: translation in metres, rotation as a quaternion, yaw.",
-            args.GetTransform,
-            measure.get_transform,
-        ),
-        (
-            "How far from the camera, in metres, the objects are that a detector sees.",
-            args.GetDistanceToObjects,
-            measure.get_distance_to_objects,
-        ),
-        ("Where the robot is: x, y and yaw in a frame.", args.GetRobotPose, drive.get_robot_pose),
-        (
-            "The robot's map, or its part around a point, in at most 40 rows of characters: free, occupied, unknown.",
-            args.GetOccupancyGrid,
-            drive.get_occupancy_grid,
-        ),
-        ("The goals that were started here, with their states.", args.ListGoals, box.acting.list_goals),
-        (
-            "How a goal is that start_action or navigate_to_pose started: running, succeeded, aborted, canceled, "
-            "rejected or lost, with its feedback and result. Waits for its end as long as it may.",
-            args.WatchAction,
-            box.acting.watch_action,
-        ),
-    )
-    return tuple(robot_tool(act.__name__, about, takes, act, read_only=True) for about, takes, act in rows)
-
-
-def _that_act(box: Toolbox) -> tuple[RobotTool, ...]:
-    rows = (
-        ("Publish one message on a topic.", args.PublishMessage, box.acting.publish_message),
-        ("Call a service and wait for its reply.", args.CallService, box.acting.call_service),
-        (
-            "Start an action. Reports whether its server took the goal, and the goal's id for watch_action and "
-            "cancel_action; it does not wait for the end, and an accepted goal has not succeeded.",
-            args.StartAction,
-            box.acting.start_action,
-        ),
-        (
-            "Send the robot to a pose, with Nav2. Reports whether it took the goal, and the goal's id, as start_action "
-            "does.",
-            args.NavigateToPose,
-            box.navigating.navigate_to_pose,
-        ),
-        (
-            "Ask for the end of a goal, and state how it ended or that it has not.",
-            args.CancelAction,
-            box.acting.cancel_action,
-        ),
-    )
-    return tuple(robot_tool(act.__name__, about, takes, act, read_only=False) for about, takes, act in rows)

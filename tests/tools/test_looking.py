@@ -263,13 +263,10 @@ def test_every_tool_reports_what_it_takes_and_whether_it_only_looks(local: ToolR
 
 
 def failing(fault: Exception) -> RobotTool:
-    def act(**_: Any) -> ToolResult:
+    def look(x: int = 0) -> ToolResult:
         raise fault
 
-    class Nothing(BaseModel):
-        x: int = 0
-
-    return robot_tool("look", "Look.", Nothing, act, read_only=True)
+    return robot_tool(look, read_only=True)
 
 
 @pytest.mark.parametrize(
