@@ -44,6 +44,7 @@ class CompiledMission:
         """Some default entry looks up a memory, so that every leap may depend on what is remembered."""
         self._content = content
         self._add(mission.states, self.root, "/states")
+        self.root.last = len(self.order) - 1
         self.options = {name for node in self.order if node.options and node.state for name in node.state.outcomes()}
         self._outcomes = frozenset(OUTCOMES).union(self.options) - mission.events.keys()
         """The words of `on` that are no events."""
@@ -71,6 +72,7 @@ class CompiledMission:
             (parent.history if node.is_history else parent.children).append(node)
             if children := state.children():
                 self._add(children, node, f"{node.place}/{state.child_place()}")
+                node.last = len(self.order) - 1
 
     def _link(self) -> None:
         self.root.initial = tuple(self.nodes[name] for name in self.mission.initial)

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable
+from operator import attrgetter
 from typing import Any
 
 from rai_missions.engine.nodes import Act, CompiledTransition, Node, Write, WriteAct
@@ -11,7 +13,9 @@ from rai_missions.engine.step import Move
 from rai_missions.guards.view import Test, Truth
 from rai_missions.states.transition import ANY_EVENT
 
-__all__ = ("CompiledStep", "Configuration", "DirectStep", "Looked", "Plan")
+__all__ = ("CompiledStep", "Configuration", "DirectStep", "Looked", "Plan", "inside")
+
+_index = attrgetter("index")
 
 Plan = tuple[tuple[CompiledTransition, ...], ...]
 """Chains of transitions: of each the first fires whose guard is true."""
@@ -65,6 +69,7 @@ class Configuration:
         "key",
         "leaps",
         "nodes",
+        "order",
         "plans",
         "reads",
         "watchful",
@@ -75,6 +80,7 @@ class Configuration:
         """The innermost active states, in document order."""
         self.key = tuple(node.index for node in atomic)
         self.nodes = {each for node in atomic for each in (node, *node.ancestors)} or {root}
+        self.order = tuple(sorted(self.nodes, key=_index))
         self.active = frozenset(node.name for node in self.nodes if node.state is not None)
         self.controls = frozenset(node.control for node in self.nodes if node.control is not None)
         """Whose control the active states need."""
@@ -83,7 +89,7 @@ class Configuration:
         self.direct: dict[str, DirectStep] = {}
         """An event that fires the same plain step whenever it fires → that step; those that happened so far."""
         self.eventless = self._chains(None, declared=False)
-        transitions = [each for node in sorted(self.nodes, key=lambda node: node.index) for each in node.transitions]
+        transitions = [each for node in self.order for each in node.transitions]
         guarded = [(each.condition, each.definition.eventless) for each in transitions if each.condition is not None]
         self.holds = {memory: test for condition, _ in guarded for memory, test in condition.holds.items()}
         looked_at = [condition for condition, eventless in guarded if eventless or condition.holds]
@@ -132,6 +138,14 @@ class Configuration:
             return transition.source is source or (climbs and not option and transition.source in source.ancestors)
 
         return self._candidates(wanted)
+
+
+def inside(nodes: tuple[Node, ...], domain: Node | None) -> tuple[Node, ...]:
+    """Those of some states in document order that are inside another; none are inside none."""
+    if domain is None:
+        return ()
+    first, end = (bisect_right(nodes, index, key=_index) for index in (domain.index, domain.last))
+    return nodes[first:end]
 
 
 def _chain(node: Node, event: str | None, *, declared: bool) -> tuple[CompiledTransition, ...]:

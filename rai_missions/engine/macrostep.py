@@ -53,7 +53,7 @@ def react(program: Program, state: RunState, trigger: Trigger) -> None:
 
 def enabled(state: RunState, plan: Plan, looked: list[tuple[str, Truth]]) -> list[CompiledTransition]:
     """The first transition of each chain whose guard is true (SCXML: selectTransitions)."""
-    transitions: list[CompiledTransition] = []
+    transitions: dict[CompiledTransition, None] = {}
     for chain in plan:
         for transition in chain:
             test = transition.test
@@ -62,10 +62,9 @@ def enabled(state: RunState, plan: Plan, looked: list[tuple[str, Truth]]) -> lis
                 looked.append((transition.place, value))
                 if value is not True:
                     continue
-            if transition not in transitions:
-                transitions.append(transition)
+            transitions[transition] = None
             break
-    return transitions
+    return [*transitions]
 
 
 def complete(program: Program, state: RunState, trigger: Trigger | None, *, made: int = 0) -> None:

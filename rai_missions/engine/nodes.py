@@ -95,6 +95,7 @@ class Node:
         "is_final",
         "is_history",
         "is_parallel",
+        "last",
         "name",
         "options",
         "parent",
@@ -110,6 +111,8 @@ class Node:
         self.ancestors: tuple[Node, ...] = () if parent is None else (parent, *parent.ancestors)
         """Innermost first, the mission itself (the root) last."""
         self.depth = len(self.ancestors)
+        self.last = index
+        """The index of the last state inside it."""
         self.children: list[Node] = []
         self.transitions: list[CompiledTransition] = []
         self.chains: dict[Any, tuple[CompiledTransition, ...]] = {}
@@ -131,7 +134,7 @@ class Node:
 
     def inside(self, other: Node) -> bool:
         """Whether it is a proper descendant of another (SCXML: isDescendant)."""
-        return other in self.ancestors
+        return other.index < self.index <= other.last
 
     def __repr__(self) -> str:
         return f"<{self.name or 'mission'}>"

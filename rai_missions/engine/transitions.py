@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rai_missions.engine.compile import CompiledMission
-from rai_missions.engine.configuration import CompiledStep, Configuration
+from rai_missions.engine.configuration import CompiledStep, Configuration, inside
 from rai_missions.engine.nodes import Act, CompiledTransition, Memory, Node
 from rai_missions.engine.step import Move
 from rai_missions.guards.view import presence
@@ -27,6 +27,15 @@ class EnteredStates(set[Node]):
         super().__init__()
         self.recalled: dict[Node, Node] = {}
         """`each` → the history that leads back into it."""
+        self.around = set[Node]()
+        """What these states are inside of."""
+
+    def add(self, node: Node) -> None:
+        super().add(node)
+        for each in node.ancestors:
+            if each in self.around:
+                break
+            self.around.add(each)
 
 
 class Graph(CompiledMission):
@@ -40,14 +49,18 @@ class Graph(CompiledMission):
         """The transitions that can be taken together: a descendant's preempts an ancestor's, then document order."""
         if len(transitions) < 2:
             return transitions
-        kept: list[tuple[CompiledTransition, set[Node]]] = []
+        kept: dict[CompiledTransition, tuple[Node, ...]] = {}
+        leaving: dict[Node, CompiledTransition] = {}
         for transition in transitions:
-            exits = set(self._exit_set(config, transition, memory))
-            clashing = [(other, theirs) for other, theirs in kept if exits & theirs]
-            if all(transition.source.inside(other.source) for other, _ in clashing):
-                kept = [pair for pair in kept if pair not in clashing]
-                kept.append((transition, exits))
-        return [transition for transition, _ in kept]
+            exits = inside(config.order, self._domain(transition, memory))
+            clashing = (leaving[node] for node in exits if node in leaving)
+            if all(transition.source.inside(other.source) for other in clashing):
+                for other in {leaving[node] for node in exits if node in leaving}:
+                    for node in kept.pop(other):
+                        del leaving[node]
+                kept[transition] = exits
+                leaving |= dict.fromkeys(exits, transition)
+        return [*kept]
 
     def _targets(self, transition: CompiledTransition, memory: Memory) -> list[Node]:
         """Where a transition leads, history looked up (getEffectiveTargetStates)."""
@@ -71,10 +84,6 @@ class Graph(CompiledMission):
                 return ancestor
         return self.root
 
-    def _exit_set(self, config: Configuration, transition: CompiledTransition, memory: Memory) -> list[Node]:
-        domain = self._domain(transition, memory)
-        return [] if domain is None else [node for node in config.nodes if node.inside(domain)]
-
     # -- moving ---------------------------------------------------------------------------------------------------
 
     def leap(
@@ -96,7 +105,7 @@ class Graph(CompiledMission):
         self, config: Configuration, transitions: tuple[CompiledTransition, ...], memory: Memory, trigger: str
     ) -> CompiledStep:
         domains = [self._domain(transition, memory) for transition in transitions]
-        exited = {node for domain in domains if domain is not None for node in config.nodes if node.inside(domain)}
+        exited = {node for domain in {*domains} for node in inside(config.order, domain)}
         if remembered := dict(self._remembered(config, exited)):
             memory = {**memory, **remembered}  # SCXML leaves, and remembers, before it enters
             domains = [self._domain(transition, memory) for transition in transitions]
@@ -129,7 +138,7 @@ class Graph(CompiledMission):
 
     def reenter(self, config: Configuration, node: Node, memory: Memory) -> CompiledStep:
         """What is inside a state is left, and its `initial` entered: the next round of an `each`."""
-        exited = {each for each in config.nodes if each.inside(node)}
+        exited = {*inside(config.order, node)}
         return self.move(config, exited, self.around(node.initial, node, memory))
 
     def move(
@@ -153,8 +162,7 @@ class Graph(CompiledMission):
         parents = {node.parent for node in nodes}
         atomic = [node for node in nodes if node not in parents and node.state is not None]
         target = self.configuration(atomic)
-        kept, back = config.nodes - exited, entered.recalled
-        entering = tuple(act for index in range(len(into)) for act in self._entering(kept, into, index, back))
+        entering = tuple(self._entering(config.nodes - exited, into, entered.recalled))
         every = tuple(act for node in out for act in node.exit) + acts + entering
         move = Move(taken, tuple(node.name for node in out), tuple(node.name for node in into), trigger)
         leap = CompiledStep(move, target, every)
@@ -168,19 +176,16 @@ class Graph(CompiledMission):
         leap.plain = quiet and not (ends or leap.remember or watched)
         return leap
 
-    def _entering(
-        self, kept: set[Node], into: tuple[Node, ...], index: int, recalled: Mapping[Node, Node]
-    ) -> Iterable[Act]:
-        """The acts of entering one node; a final raises the end of its parent, and of a parallel state with it."""
-        node = into[index]
-        if node.is_each:
-            yield self._content.enter_each(node, recalled.get(node))
-        yield from node.entry
-        if node.is_final and node.parent is not None:
-            so_far = kept | set(into[: index + 1])
-            outer = node.parent if node.parent.is_parallel else node.parent.parent
-            complete = tuple(self.complete(outer, so_far))
-            yield self._content.reach_final(node, complete)
+    def _entering(self, active: set[Node], into: Iterable[Node], recalled: Mapping[Node, Node]) -> Iterable[Act]:
+        """The acts of entering these; a final raises the end of its parent, and of a parallel state with it."""
+        for node in into:
+            active.add(node)
+            if node.is_each:
+                yield self._content.enter_each(node, recalled.get(node))
+            yield from node.entry
+            if node.is_final and node.parent is not None:
+                outer = node.parent if node.parent.is_parallel else node.parent.parent
+                yield self._content.reach_final(node, tuple(self.complete(outer, active)))
 
     def complete(self, region_of: Node | None, nodes: set[Node]) -> Iterable[Node]:
         """The parallel states that may have all their regions in a final now, inner first."""
@@ -193,10 +198,9 @@ class Graph(CompiledMission):
             for history in node.history:
                 assert isinstance(history.state, History)
                 if history.state.history == "deep":
-                    states = [each for each in config.atomic if each.inside(node)]
+                    yield history.index, inside(config.atomic, node)
                 else:
-                    states = [each for each in config.nodes if each.parent is node]
-                yield history.index, tuple(sorted(states, key=lambda each: each.index))
+                    yield history.index, tuple([each for each in inside(config.order, node) if each.parent is node])
 
     def _lists(self, history: int, states: Iterable[Node]) -> Iterable[Node]:
         """Each `each` that a history leads back into, if these are the states that it leads back to."""
@@ -246,7 +250,7 @@ class Graph(CompiledMission):
     def _regions(self, parallel: Node, entered: EnteredStates, memory: Memory) -> None:
         """The regions of a parallel state in which nothing is entered yet, by default."""
         for child in parallel.children:
-            if not any(each is child or each.inside(child) for each in entered):
+            if child not in entered and child not in entered.around:
                 self._descend(child, entered, memory)
 
 
@@ -255,7 +259,7 @@ def is_done(node: Node, nodes: set[Node]) -> bool:
     if node.is_each:
         return node in nodes
     if node.is_parallel:
-        return all(is_done(child, nodes) for child in node.children)
+        return all(is_done(child, nodes) for child in reversed(node.children))  # that entered last is done last
     if node.is_final:
         return node in nodes
     return any(child.is_final and child in nodes for child in node.children)
