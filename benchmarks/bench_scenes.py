@@ -24,7 +24,8 @@ from typing import Any, cast
 
 from pydantic import TypeAdapter
 
-from rai_missions.campaign.labels import Label, best_options, label, verdict_of
+from rai_missions.campaign.labels import label, verdict_of
+from rai_missions.campaign.records import best_options
 from rai_missions.campaign.scenes import scene
 from rai_missions.connectors.connector import Message
 from rai_missions.connectors.local import LocalConnector
@@ -74,7 +75,9 @@ def measured(seed: int, measure: Callable[[Any, Any], Mapping[str, Any]]) -> dic
     found: dict[str, Any] = {"seed": seed, "kind": one.kind, "split": one.split}
     try:
         reports = ObstacleReports()
-        world = decision_world({**one.spec["options"], "camera": False, "sight": "geometry"}, reports.listen)
+        world = decision_world(
+            {**json.loads(one.spec)["options"], "camera": False, "sight": "geometry"}, reports.listen
+        )
         found["fact"] = reports.known(world)
         found |= measure(one, (world, found["fact"]))
     except UsageError as fault:
@@ -215,7 +218,7 @@ def passed(entries: list[dict[str, Any]], name: str, guard: Guard) -> Iterator[s
 
 
 def best(one: Mapping[str, Any]) -> frozenset[str]:
-    return best_options({option: Label(verdict, {}) for option, verdict in one["labels"].items()})
+    return best_options(one["labels"])
 
 
 def share(count: int, of: int) -> str:

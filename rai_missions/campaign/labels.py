@@ -6,16 +6,16 @@ Rule: an option is labelled by its rollout alone. No kind of obstacle and no opi
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from rai_missions.campaign.records import BEST_FIRST, OptionVerdict
-from rai_missions.campaign.scenes import CampaignScene
+from rai_missions.campaign.records import OptionVerdict, SceneRecord
 from rai_missions.errors import UsageError
 from rai_missions.worlds.orchard.trial import Trial, try_options
 
-__all__ = ("Label", "best_options", "label", "labels_in", "verdict_of")
+__all__ = ("Label", "label", "verdict_of")
 
 TRIALS: Mapping[str, Callable[[Mapping[str, Any]], Mapping[str, Trial]]] = {"orchard": try_options}
 """World → what tries each option of its decision."""
@@ -32,24 +32,15 @@ class Label:
     """The fields of `Trial`: what took harm, forces in N, angles in degrees, simulated seconds."""
 
 
-def label(scene: CampaignScene) -> dict[str, Label]:
+def label(scene: SceneRecord) -> dict[str, Label]:
     """Roll out each option of a scene: option → its label; about 1.5 s of CPU a scene.
 
     Raises:
         UsageError: Nothing tries options in its world.
     """
-    return labels_in(scene.world, scene.spec["options"])
-
-
-def labels_in(world: str, options: Mapping[str, Any]) -> dict[str, Label]:
-    """As `label`, of a world that is built from these options.
-
-    Raises:
-        UsageError: Nothing tries options in this world.
-    """
-    if world not in TRIALS:
-        raise UsageError(f"nothing tries options in the world '{world}', but in: {', '.join(TRIALS)}")
-    trials = TRIALS[world](options)
+    if scene.world not in TRIALS:
+        raise UsageError(f"nothing tries options in the world '{scene.world}', but in: {', '.join(TRIALS)}")
+    trials = TRIALS[scene.world](json.loads(scene.spec)["options"])
     return {option: Label(verdict_of(trial), asdict(trial)) for option, trial in trials.items()}
 
 
@@ -58,9 +49,3 @@ def verdict_of(trial: Trial) -> OptionVerdict:
     if trial.harmed:
         return "harms"
     return "completes" if trial.driven else "harmless"
-
-
-def best_options(labels: Mapping[str, Label]) -> frozenset[str]:
-    """The options that no other one betters: `completes` before `harmless` before `harms`."""
-    best = min((each.verdict for each in labels.values()), key=BEST_FIRST.index)
-    return frozenset(option for option, each in labels.items() if each.verdict == best)

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any
@@ -88,8 +87,7 @@ class ScenesEntry(MissionModel):
     def _made(
         self, scene: str, kind: str, seed: int, split: Split, options: Any, later: Mapping[str, Any] | None = None
     ) -> SceneRecord:
-        spec = scene_spec(self.world, options, later or {})
-        return SceneRecord(scene, self.world, kind, seed, split, json.dumps(spec, sort_keys=True))
+        return SceneRecord(scene, self.world, kind, seed, split, scene_spec(self.world, options, later or {}))
 
 
 def _drawn(entry: ScenesEntry, count: int) -> list[SceneRecord]:
@@ -99,10 +97,6 @@ def _drawn(entry: ScenesEntry, count: int) -> list[SceneRecord]:
     found: list[SceneRecord] = []
     drawn = count
     while len(found) < count:
-        found = [
-            SceneRecord(each.scene, each.world, each.kind, each.seed, each.split, json.dumps(each.spec, sort_keys=True))
-            for each in scenes(entry.world, drawn, entry.first_seed)
-            if entry.split in (None, each.split)
-        ]
+        found = [each for each in scenes(entry.world, drawn, entry.first_seed) if entry.split in (None, each.split)]
         drawn *= 2
     return found[:count]

@@ -14,9 +14,9 @@ Later = Mapping[str, Mapping[str, str]]
 """Name in `ask` → the state that asks → the option."""
 
 
-def scene_spec(world: str, options: Mapping[str, Any], later: Later) -> dict[str, Any]:
-    """A scene's `world`, `options` with which `open_world` builds it, and `later` where someone answers then."""
-    return {"world": world, "options": options, **({LATER: later} if later else {})}
+def scene_spec(world: str, options: Mapping[str, Any], later: Later) -> str:
+    """As JSON: `world`, `options` with which `open_world` builds it, and `later` where someone answers then."""
+    return json.dumps({"world": world, "options": options, **({LATER: later} if later else {})}, sort_keys=True)
 
 
 def later_of(spec: str) -> Later:

@@ -10,16 +10,15 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
-from rai_missions.campaign.records import Split
+from rai_missions.campaign.records import SceneRecord, Split
 from rai_missions.campaign.scene_spec import scene_spec
 from rai_missions.errors import UsageError
 from rai_missions.worlds.house.scene_cases import scene_options as house_scene
 from rai_missions.worlds.orchard.scene_cases import scene_options as orchard_scene
 
-__all__ = ("GENERATORS", "CampaignScene", "scene", "scenes", "split_of")
+__all__ = ("GENERATORS", "scene", "scenes", "split_of")
 
 Drawn = tuple[str, dict[str, Any], dict[str, Any]]
 GENERATORS: Mapping[str, Callable[[int], Drawn]] = {
@@ -30,21 +29,6 @@ GENERATORS: Mapping[str, Callable[[int], Drawn]] = {
 questions of a rollout there."""
 
 
-@dataclass(frozen=True)
-class CampaignScene:
-    """One scene."""
-
-    scene: str
-    """Its name: the world and a digest of what it is built from, without the seed of the noise."""
-    world: str
-    kind: str
-    """Of what is in the way, as it truly is."""
-    seed: int
-    split: Split
-    spec: Mapping[str, Any]
-    """As `scene_spec` makes it."""
-
-
 def split_of(seed: int) -> Split:
     """Even seeds are for tuning, odd ones for reporting.
 
@@ -53,8 +37,8 @@ def split_of(seed: int) -> Split:
     return "report" if seed % 2 else "tune"
 
 
-def scene(world: str, seed: int) -> CampaignScene:
-    """The scene of a seed.
+def scene(world: str, seed: int) -> SceneRecord:
+    """The scene of a seed; its name is the world and a digest of what it is built from, without the seed of the noise.
 
     Raises:
         UsageError: No scenes are generated for this world.
@@ -64,10 +48,10 @@ def scene(world: str, seed: int) -> CampaignScene:
     kind, options, later = GENERATORS[world](seed)
     named = json.dumps({**options, "seed": 0}, sort_keys=True, separators=(",", ":"))
     name = f"{world}-{hashlib.sha256(named.encode()).hexdigest()[:12]}"
-    return CampaignScene(name, world, kind, seed, split_of(seed), scene_spec(world, options, later))
+    return SceneRecord(name, world, kind, seed, split_of(seed), scene_spec(world, options, later))
 
 
-def scenes(world: str, count: int, first_seed: int = 0) -> tuple[CampaignScene, ...]:
+def scenes(world: str, count: int, first_seed: int = 0) -> tuple[SceneRecord, ...]:
     """So many scenes, no two alike, of the seeds from the first on; a seed that repeats another's scene is left out.
 
     Args:
@@ -80,7 +64,7 @@ def scenes(world: str, count: int, first_seed: int = 0) -> tuple[CampaignScene, 
     """
     if count < 0 or first_seed < 0:
         raise UsageError(f"scenes: count and first_seed are 0 or more, not {count} and {first_seed}")
-    found: dict[str, CampaignScene] = {}
+    found: dict[str, SceneRecord] = {}
     seed = first_seed
     while len(found) < count:
         one = scene(world, seed)

@@ -176,10 +176,10 @@ class Workplace:
 
 def _tried(scene: SceneRecord) -> list[LabelRecord] | list[UnlabelledScene]:
     """The labels that physics alone gives, without the mission; why there is none where nothing asks for a decision."""
-    from rai_missions.campaign.labels import labels_in  # loads the world
+    from rai_missions.campaign.labels import label  # loads the world
 
     try:
-        found = labels_in(scene.world, json.loads(scene.spec)["options"])
+        found = label(scene)
     except UsageError as error:
         return [UnlabelledScene(scene.scene, str(error))]
     return [

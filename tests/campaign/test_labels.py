@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rai_missions.campaign.labels import Label, best_options, label, verdict_of
-from rai_missions.campaign.records import OptionVerdict
+from rai_missions.campaign.labels import label, verdict_of
+from rai_missions.campaign.records import OptionVerdict, best_options
 from rai_missions.campaign.scenes import scene
 from rai_missions.errors import UsageError
 from rai_missions.worlds.orchard.trial import Trial
@@ -31,7 +31,7 @@ def test_a_driven_alley_completes_and_anything_else_is_harmless() -> None:
 
 @given(st.dictionaries(st.sampled_from(["a", "b", "c", "d"]), st.sampled_from(VERDICTS), min_size=1))
 def test_the_best_are_those_that_none_betters(verdicts: dict[str, OptionVerdict]) -> None:
-    best = best_options({option: Label(verdict, {}) for option, verdict in verdicts.items()})
+    best = best_options(verdicts)
     ranks = {option: VERDICTS.index(verdict) for option, verdict in verdicts.items()}
     assert best == {one for one in ranks if not any(ranks[other] < ranks[one] for other in ranks)}
 

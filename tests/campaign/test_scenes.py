@@ -19,8 +19,7 @@ def test_a_scene_is_a_function_of_its_seed_and_plain_data() -> None:
     for seed in range(200):
         one = scene("orchard", seed)
         assert one == scene("orchard", seed)
-        assert json.loads(json.dumps(one.spec)) == one.spec
-        assert one.spec["options"]["seed"] == seed and one.kind in KINDS
+        assert json.loads(one.spec)["options"]["seed"] == seed and one.kind in KINDS
 
 
 def test_no_two_scenes_are_alike_and_any_first_seed_gives_as_many_as_are_asked() -> None:
@@ -43,7 +42,7 @@ def test_scenes_of_the_house_are_functions_of_their_seeds_and_each_half_holds_ea
     found = scenes("house", 400)
     weight = sum(weight for weight, _, _ in CASES)
     for one in found:
-        assert one == scene("house", one.seed) and json.loads(json.dumps(one.spec)) == one.spec
+        assert one == scene("house", one.seed)
     for split in ("tune", "report"):
         kinds = Counter(one.kind for one in found if one.split == split)
         for share, kind, _ in CASES:
@@ -52,11 +51,12 @@ def test_scenes_of_the_house_are_functions_of_their_seeds_and_each_half_holds_ea
 
 def test_a_later_question_is_answered_in_a_scene_of_the_house_where_a_person_helps_and_in_no_other() -> None:
     for one in scenes("house", 200):
-        people = place_people(one.seed, one.spec["options"].get("people", 0))
-        assert bool(one.spec.get("later")) is any(person.helps for person in people), one.kind
+        spec = json.loads(one.spec)
+        people = place_people(one.seed, spec["options"].get("people", 0))
+        assert bool(spec.get("later")) is any(person.helps for person in people), one.kind
         assert all(person.lies == (one.kind == "lies") for person in people[1:])
         if one.kind == "closes_again":
-            begins, ends = one.spec["options"]["blocked"]["study_pantry"]
+            begins, ends = spec["options"]["blocked"]["study_pantry"]
             assert people[0].from_s < PERSON_S + 1 < begins < ends
 
 

@@ -6,8 +6,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
+from rai_missions.campaign.records import best_options
 from rai_missions.campaign.report.comparisons import LEVEL, Comparison
-from rai_missions.campaign.report.figures import CampaignFigures, GroupFigures, best_options
+from rai_missions.campaign.report.figures import CampaignFigures, GroupFigures
 from rai_missions.campaign.statistics import Interval
 from visualize.campaign_page.markup import Child, Markup, node
 from visualize.campaign_page.plots import (
@@ -294,7 +295,7 @@ def _orders(groups: Sequence[GroupFigures]) -> Markup:
 def _kinds(figures: CampaignFigures) -> Markup:
     best = {kind: Counter[str]() for kind in sorted({scene.kind for scene in figures.scenes.values()})}
     for name, scene in figures.scenes.items():
-        best[scene.kind].update(best_options(figures.labels.get(name, {})) if figures.labels.get(name) else ())
+        best[scene.kind].update(best_options(figures.labels.get(name, {})))
     return node(
         "section",
         {"id": "kinds"},

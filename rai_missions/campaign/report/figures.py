@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from rai_missions.campaign.embodiments import EMBODIMENTS
-from rai_missions.campaign.records import BEST_FIRST, CellRecord, SceneRecord
+from rai_missions.campaign.records import BEST_FIRST, CellRecord, SceneRecord, best_options
 from rai_missions.campaign.statistics import Interval, clustered_interval
 from rai_missions.campaign.store import ResultStore
 
@@ -26,7 +26,6 @@ __all__ = (
     "GroupName",
     "KindFigures",
     "Spread",
-    "best_options",
     "figures_of",
     "is_unlabelled",
 )  # fmt: skip
@@ -270,9 +269,3 @@ def baselines_of(scenes: Mapping[str, SceneRecord], labels: Mapping[str, Mapping
 def is_unlabelled(cell: CellRecord) -> bool:
     """Whether physics has reported nothing of an answer that the rules permit; what was never offered is wrong."""
     return cell.status == "answered" and cell.verdict is None and cell.permitted == 1
-
-
-def best_options(labels: Mapping[str, str]) -> frozenset[str]:
-    """The options that no other of the scene is better than, by what physics reports."""
-    ranks = {option: BEST_FIRST.index(verdict) for option, verdict in labels.items()}
-    return frozenset(option for option, rank in ranks.items() if rank == min(ranks.values()))

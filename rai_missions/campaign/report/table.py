@@ -11,8 +11,8 @@ import csv
 from collections.abc import Iterator
 from pathlib import Path
 
-from rai_missions.campaign.records import CellRecord
-from rai_missions.campaign.report.figures import CampaignFigures, best_options
+from rai_missions.campaign.records import CellRecord, best_options
+from rai_missions.campaign.report.figures import CampaignFigures
 from rai_missions.campaign.report.wrong_answers import is_wrong
 from rai_missions.campaign.store import ResultStore
 

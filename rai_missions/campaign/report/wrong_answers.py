@@ -10,8 +10,8 @@ from collections import Counter, defaultdict
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from rai_missions.campaign.records import CellRecord, QuestionRecord
-from rai_missions.campaign.report.figures import CampaignFigures, best_options, is_unlabelled
+from rai_missions.campaign.records import CellRecord, QuestionRecord, best_options
+from rai_missions.campaign.report.figures import CampaignFigures, is_unlabelled
 from rai_missions.campaign.store import ResultStore
 from rai_missions.plain_data import json_value
 
