@@ -70,6 +70,19 @@ def test_what_is_refused_is_reported_and_stays_in_the_field(run: TalkedRun, look
     assert window.input_value("#talk-text") == "hello"
 
 
+def test_once_the_page_is_closed_no_sentence_is_taken_and_the_conversation_stays(run: TalkedRun, look: Look) -> None:
+    window = look(run.page)
+    run.feed.talk(line(1, "The mission has ended: succeeded."))
+    window.keyboard.press("c")
+    until(window, "document.querySelectorAll('#talk-lines .line').length === 1")
+    run.page.stop()
+    until(window, "document.querySelector('#talk-form').hidden")
+    assert window.inner_text("#talk-none") == "This page is closed: it takes no more sentences."
+    assert shown(window) == [["robot by rule", "The mission has ended: succeeded."]]
+    window.keyboard.press("c")
+    assert window.evaluate("document.activeElement.id") == "talk-lines"
+
+
 @pytest.mark.parametrize("text", [MARKUP, *HOSTILE])
 def test_no_line_is_markup(run: TalkedRun, look: Look, text: str) -> None:
     window = look(run.page)

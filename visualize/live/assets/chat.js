@@ -91,6 +91,13 @@ class Chat {
     this.listener.notify(`not sent: ${why}`, "bad");
   }
 
+  /** The page is closed: what would be written reaches no one. */
+  close() {
+    this.form.hidden = true;
+    byId("talk-none").textContent = "This page is closed: it takes no more sentences.";
+    byId("talk-none").hidden = false;
+  }
+
   /** To the newest line. */
   end() {
     this.host.scrollTop = this.host.scrollHeight;

@@ -82,7 +82,10 @@ class Live {
 
   message(kind, data) {
     this.clock = { now: data.now, received: performance.now() };
-    if (kind === "end") return this.lineIs("over", "this page was closed; the run may continue");
+    if (kind === "end") {
+      this.chat.close();
+      return this.lineIs("over", "this page was closed; the run may continue");
+    }
     if (kind === "state") this.restart(data);
     else if (kind === "change") this.change(data);
   }
