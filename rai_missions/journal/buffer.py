@@ -158,8 +158,8 @@ os.register_at_fork(after_in_child=THREADS.forget)
 class BufferedWriter:
     """Between a runner and its journal; the disk is waited for on another thread.
 
-    What the journal raises, each method that writes raises; `ConnectorError` also where the disk took too long: whether
-    the row was written is not known then, and no more will be.
+    What the journal raises, each method that writes raises, once: nothing more is written after it. `ConnectorError`
+    also where the disk took too long: whether the row was written is not known then.
 
     Args:
         journal: The journal; None: nothing is written down.
@@ -175,7 +175,6 @@ class BufferedWriter:
             leave.atexit = False
         self._bell: queue.SimpleQueue[bool] = queue.SimpleQueue()
         """Rings when something is written, and with True when `call` is called."""
-        self._is_lost = False
         self._carried: dict[str, tuple[str, Any, float]] = {}
         self._performed: list[int] = []
         """The steps whose confirmation travels."""
@@ -252,7 +251,7 @@ class BufferedWriter:
         """The run is over; a disk that hangs is not waited for. Doing so twice changes nothing."""
         self._leave()
 
-    def give_up(self) -> None:
+    def _give_up(self) -> None:
         """The journal is lost: nothing more is written."""
         self._journal, self.silent_from = None, math.inf
         self._performed.clear()
@@ -271,8 +270,6 @@ class BufferedWriter:
         """Have something written, behind the confirmation that travels, and wait until it is."""
         if (journal := self._journal) is None:
             return
-        if self._is_lost:
-            raise _unanswered()
         begun_at, outcome = list[float](), list[BaseException | None]()
         performed = self._no_longer_travels()
 
@@ -286,9 +283,13 @@ class BufferedWriter:
                 outcome.append(error)
 
         THREADS.do(do, lambda: self._bell.put(False))
-        self._wait(begun_at, outcome)
-        if outcome[0] is not None:
-            raise outcome[0]
+        try:
+            self._wait(begun_at, outcome)
+            if outcome[0] is not None:
+                raise outcome[0]
+        except Exception:
+            self._give_up()
+            raise
 
     def _wait(self, begun_at: Sequence[float], outcome: Sequence[object]) -> None:
         """Wait for the outcome of what a thread begins to do at some time.
@@ -302,8 +303,7 @@ class BufferedWriter:
                 is_call = self._bell.get(timeout=max(0.0, min(until - time.monotonic(), LONGEST_S)))
             except queue.Empty:
                 if until <= time.monotonic() and not outcome:
-                    self._is_lost = True
-                    raise _unanswered() from None
+                    raise ConnectorError(f"its disk has not answered for {LONGEST_S:g} s") from None
                 continue
             if is_call:
                 self._called()
@@ -312,10 +312,6 @@ class BufferedWriter:
 def _confirm(journal: JournalSink, performed: Iterable[int]) -> None:
     for seq in performed:
         journal.confirm(seq, "performed")
-
-
-def _unanswered() -> ConnectorError:
-    return ConnectorError(f"its disk has not answered for {LONGEST_S:g} s")
 
 
 def raised_by(write: Callable[[], None]) -> Exception | None:

@@ -20,7 +20,7 @@ from rai_missions.engine import Chart
 from rai_missions.engine.activities.goal_ledger import OpenGoal, may_move
 from rai_missions.engine.decision import Answerer, ReadsRun, check_answerers
 from rai_missions.engine.step import Step
-from rai_missions.errors import ConnectorError, DefinitionError, UsageError
+from rai_missions.errors import DefinitionError, MissionError, UsageError
 from rai_missions.event import Event, Tick, is_e_stop
 from rai_missions.given import check_given
 from rai_missions.journal.buffer import BufferedWriter, JournalSink, raised_by
@@ -414,12 +414,12 @@ class Runner(RunCommands):
         """The run cannot continue, whatever the reason: nothing that it started may continue without it."""
         self._executor.stop_everything()
         sentence = f"the run breaks off: {type(error).__name__}: {self._redaction.known(str(error))}"
-        if not isinstance(error, UsageError):
+        if not isinstance(error, MissionError):  # that one is a sentence for the caller, who gets it
             log.critical("%s", sentence)
         try:
             self._writer.note(cut(sentence, 1000), {"broken_off": type(error).__name__})
-        except (ConnectorError, UsageError) as silent:
-            log.error("nor can that be written down: %s", self._redaction.known(str(silent)))
+        except MissionError as silent:
+            log.error("why the run breaks off cannot be written down: %s", self._redaction.known(str(silent)))
         except Exception:
             log.exception("that the run breaks off cannot be written into its journal")
 
@@ -472,7 +472,6 @@ class Runner(RunCommands):
     def _lose_journal(self, error: Exception) -> None:
         """What cannot be written down does not continue."""
         log.critical("the journal cannot be written, e-stop: %s", error)
-        self._writer.give_up()
         by = self._redaction.known(f"the journal: {error}")
         step = self._chart.send(Event("kill", self._clock.now(), {"by": by}, "command"))
         self._executor.perform(step.effects)

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import logging
 from typing import Any
 
 import pytest
@@ -11,10 +10,11 @@ import pytest
 from rai_missions.connectors.connector import Message, Reply
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine import Chart
-from rai_missions.errors import UsageError
+from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.profile import Robot
 from rai_missions.runtime.robot_listener import RobotListener
 from rai_missions.runtime.scheduler import Scheduler
+from tests.rigs.journals import MemoryJournal
 from tests.rigs.runs import KEYS, Mailbox, ManualClock, Rig, mission, robot
 
 LIT: Any = {
@@ -100,11 +100,32 @@ def test_a_listener_asks_a_service_until_it_is_closed_and_its_replies_are_of_the
     assert read == [(at, {"value": "0.8", "stamp": at}) for at in asked]
 
 
-@pytest.mark.parametrize(("fault", "is_logged"), [(RuntimeError("the wire"), True), (UsageError("the wire"), False)])
-def test_only_a_fault_that_the_caller_cannot_mend_is_logged_as_critical(
-    fault: Exception, is_logged: bool, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+class FullJournal(MemoryJournal):
+    """A journal that takes no note."""
+
+    def note(self, text: str, data: Any = None) -> int:
+        raise ConnectorError("the disk is full")
+
+
+BROKEN, FULL = (
+    "the run breaks off: RuntimeError: the wire",
+    "why the run breaks off cannot be written down: the disk is full",
+)
+
+
+@pytest.mark.parametrize(
+    ("fault", "journal", "logged"),
+    [
+        (RuntimeError("the wire"), MemoryJournal(), [BROKEN]),
+        (RuntimeError("the wire"), FullJournal(), [BROKEN, FULL]),
+        (UsageError("the wire"), MemoryJournal(), []),
+        (ConnectorError("the wire"), FullJournal(), [FULL]),
+    ],
+)
+def test_what_the_caller_gets_in_a_sentence_is_not_logged_as_well(
+    fault: Exception, journal: MemoryJournal, logged: list[str], monkeypatch: pytest.MonkeyPatch, caplog: Any
 ) -> None:
-    rig = Rig(LIT)
+    rig = Rig(LIT, journal=journal)
 
     def fails(*_: object) -> None:
         raise fault
@@ -114,10 +135,12 @@ def test_only_a_fault_that_the_caller_cannot_mend_is_logged_as_critical(
         rig.post("go")
 
     rig.stage.play({1.0: breaks})
-    with pytest.raises(type(fault), match="the wire"):
+    with pytest.raises(type(fault), match=str(fault)):
         rig.run()
-    assert rig.book.notes == [f"the run breaks off: {type(fault).__name__}: the wire"]
-    assert any(record.levelno == logging.CRITICAL for record in caplog.records) is is_logged
+    assert journal.notes == [f"the run breaks off: {type(fault).__name__}: the wire"] * (
+        not isinstance(journal, FullJournal)
+    )
+    assert [record.getMessage() for record in caplog.records] == logged
 
 
 def test_control_that_is_refused_is_logged_with_the_reason_of_the_robot(caplog: pytest.LogCaptureFixture) -> None:
