@@ -7,7 +7,7 @@ Such a transition fires as soon as its guard holds. Two facts end a cycle: a gua
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -103,7 +103,7 @@ def _cycles(index: MissionIndex) -> list[Cycle]:
 def _jump(index: MissionIndex, transition: TransitionRef) -> Jump:
     guard = transition.definition.when
     assert guard is not None
-    targets = index.found(transition.definition.to)
+    targets = transition.targets
     stays = _stays(transition, targets)
     active = tuple(sorted(entered_with(index, targets, stays), key=lambda spot: spot.index))
     written = _set_by(transition.definition.do)
@@ -120,7 +120,7 @@ def _set_by(effects: Iterable[Effect]) -> set[str]:
     return {effect.set for effect in effects if isinstance(effect, Set)}
 
 
-def _stays(transition: TransitionRef, targets: list[StateRef]) -> StateRef | None:
+def _stays(transition: TransitionRef, targets: Sequence[StateRef]) -> StateRef | None:
     """The innermost compound state around owner and targets (SCXML: the transition's domain)."""
     if transition.owner is None:
         return None

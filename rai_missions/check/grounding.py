@@ -172,7 +172,7 @@ def missing_requires(index: MissionIndex) -> Found:
     for spot in index.top:
         if isinstance(spot.state, Final) and _succeeds(spot.state) and spot.state.requires is None:
             answered = any(
-                transition.owner is not None and bool(transition.owner.state.options)
+                transition.owner is not None and bool(transition.owner.options)
                 for transition in index.transitions
                 if spot.name in transition.definition.to
             )

@@ -7,7 +7,7 @@ to and holds is in the annotations of its fields: no kind is picked out here.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache, cached_property
 from typing import Any, NamedTuple
 
@@ -30,7 +30,7 @@ __all__ = (
 class StateRef:
     """A state where it is: its place, its parent, and the span of the states inside it."""
 
-    __slots__ = ("children", "index", "last", "name", "options", "parent", "place", "state", "transitions")
+    __slots__ = ("children", "control", "index", "last", "name", "options", "parent", "place", "state", "transitions")
 
     def __init__(self, name: str, place: str, state: State, parent: StateRef | None, index: int) -> None:
         self.name, self.place, self.state, self.parent, self.index = name, place, state, parent, index
@@ -40,6 +40,8 @@ class StateRef:
         self.transitions: list[TransitionRef] = []
         self.options = state.options
         """The answers that are outcomes of its own."""
+        self.control: str | None = state.control or (parent.control if parent is not None else None)
+        """Whose control it needs, itself or what it is inside of."""
 
     def inside(self, other: StateRef | None) -> bool:
         """Whether it is a proper descendant of another; everything is inside the mission (None)."""
@@ -62,6 +64,8 @@ class TransitionRef(NamedTuple):
     owner: StateRef | None
     place: str
     definition: Transition
+    targets: Sequence[StateRef]
+    """Where it leads, as far as there are such states."""
 
 
 class Scope(NamedTuple):
@@ -199,7 +203,7 @@ class MissionIndex:
         for written in thing.writes(place):
             self.writes.append(KeyWrite(*written, scope))
         for here, inner in thing.inside(place):
-            self._held(inner, here, scope, thing, here[len(place) + 1 :])
+            self._held(inner, here, scope, thing, place)
 
     def _refer(self, thing: MissionModel, place: str, scope: Scope) -> None:
         for refers, name, here in thing.references(place):
@@ -210,8 +214,8 @@ class MissionIndex:
             elif refers.sort in INTERFACES:
                 self.uses.append(RobotUse(refers.sort, name, here, thing, place, scope))
 
-    def _held(self, thing: Any, place: str, scope: Scope, holder: MissionModel, branch: str) -> None:
-        """Note a written thing by its family, then what is inside it; the branch leads to it from what holds it."""
+    def _held(self, thing: Any, place: str, scope: Scope, holder: MissionModel, around: str) -> None:
+        """Note a written thing by its family, then what is inside it; `around` is the place of what holds it."""
         kind: Any = type(thing)
         family = _family(kind)
         if family is Transition:
@@ -219,9 +223,9 @@ class MissionIndex:
         elif family is State:
             scope = Scope(self._at[place])
         elif isinstance(holder, TreeNode):
-            scope = _below(holder, branch, scope)
+            scope = _below(holder, place[len(around) + 1 :], scope)
         if family is Guard:
-            self._guard(thing, place, branch.partition("/")[0], scope)
+            self._guard(thing, place, place[len(around) + 1 :].partition("/")[0], scope)
             return
         if family is Effect:
             self.effects.append(EffectUse(thing, place, scope))
@@ -233,7 +237,7 @@ class MissionIndex:
         self._look(thing, place, scope)
 
     def _transition(self, definition: Transition, place: str, owner: StateRef | None) -> Scope:
-        transition = TransitionRef(owner, place, definition)
+        transition = TransitionRef(owner, place, definition, self.found(definition.to))
         self.transitions.append(transition)
         if owner is not None:
             owner.transitions.append(transition)

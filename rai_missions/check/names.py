@@ -39,7 +39,7 @@ def duplicate_states(index: MissionIndex) -> Found:
 
 def repeated_names(index: MissionIndex) -> Found:
     """`on`, `evidence` and `tools` list each name once; a second one changes nothing."""
-    lists = [(f"{each.place}/on", each.definition.on) for each in index.transitions]
+    lists = [(f"{each.place}/on", each.definition.on) for each in index.transitions if len(each.definition.on) > 1]
     for asked, place, _ in index.asked:
         lists += [(f"{place}/evidence", asked.evidence), (f"{place}/tools", asked.tools)]
     for place, listed in lists:

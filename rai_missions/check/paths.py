@@ -124,7 +124,7 @@ def _options(index: MissionIndex, scope: Scope) -> dict[str, Option]:
         return {}
     transition = scope.transition.definition
     source = index.spot(transition.of) if transition.of is not None else scope.transition.owner
-    options = source.state.options if source is not None else {}
+    options = source.options if source is not None else {}
     return {word: options[word] for word in transition.on if word in options}
 
 

@@ -35,7 +35,7 @@ class Reach:
                 if parent is not None and isinstance(parent.state, Parallel) and parent not in self.active:
                     todo += [region for region in parent.children if region is not here]
                 for transition in here.transitions if follow else ():
-                    todo += self.index.found(transition.definition.to)
+                    todo += transition.targets
             if (spot.children or isinstance(spot.state, History)) and spot not in self._descended:
                 self._descended.add(spot)
                 todo += default_entry(self.index, spot)
@@ -150,8 +150,9 @@ def waiting_rooms(index: MissionIndex) -> Found:
 
 def _waiting(index: MissionIndex) -> Iterator[StateRef]:
     """The reachable states that run nothing and are left by transitions alone."""
-    active = reached(index)
+    active, timed = reached(index), set[StateRef | None]()
     for spot in index.spots:
-        ends = isinstance(spot.state, Final | History) or spot.children or spot.state.activity()
-        if not ends and spot in active and all(here.state.timeout_s is None for here in spot.upward()):
+        if spot.state.timeout_s is not None or spot.parent in timed:
+            timed.add(spot)
+        elif spot in active and not (spot.children or isinstance(spot.state, Final | History) or spot.state.activity()):
             yield spot

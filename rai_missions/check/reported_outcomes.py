@@ -50,7 +50,7 @@ class OutcomeReports:
         elif isinstance(state, Compound):
             outcomes |= self._finals(spot)
         starts = state.activity() or not (spot.children or isinstance(state, History))
-        if starts and any(each.state.control is not None for each in spot.upward()):
+        if starts and spot.control is not None:
             outcomes |= {"rejected"}  # control did not come in time, also for one that only waits
         return frozenset(outcomes)
 

@@ -137,7 +137,7 @@ def _triggers(transition: TransitionRef) -> list[tuple[str, str]]:
 def _all_differ(transitions: Sequence[TransitionRef]) -> bool:
     """Whether each has triggers of its own, events or outcomes, so that none can come first where another would."""
     words: list[str] = []
-    for _, _, definition in transitions:
+    for definition in (each.definition for each in transitions):
         if definition.after_s is not None or not definition.on:
             return False
         words += definition.on

@@ -55,18 +55,13 @@ def _protects(index: MissionIndex, ruled: GuardUse) -> str:
 
 def _gives_up(index: MissionIndex, transition: TransitionRef) -> bool:
     """Whether a transition leads to an end that is no success, or hands control to someone else."""
-    before = _control(transition.owner)
-    for target in index.found(transition.definition.to):
+    before = transition.owner.control if transition.owner is not None else None
+    for target in transition.targets:
         if isinstance(target.state, Final) and target.state.final != "succeeded":
             return True
-        after = _control(target)
-        if after is not None and before is not None and after != before:
+        if target.control is not None and before is not None and target.control != before:
             return True
     return False
-
-
-def _control(spot: StateRef | None) -> str | None:
-    return next((here.state.control for here in _upward(spot) if here.state.control is not None), None)
 
 
 def _aging(index: MissionIndex, guard: Guard) -> Iterator[str]:

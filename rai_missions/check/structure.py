@@ -130,7 +130,7 @@ def misused_internal(index: MissionIndex) -> Found:
             name = "the mission's own transition" if owner is None else f"'{owner.name}'"
             yield place, f"'internal' is for transitions of a compound state, which {name} is not; take it away"
             continue
-        for target in index.found(transition.definition.to):
+        for target in transition.targets:
             if target is owner:
                 yield (
                     place,
@@ -149,7 +149,7 @@ def crossing_transitions(index: MissionIndex) -> Found:
     if not any(isinstance(spot.state, Parallel) for spot in index.spots):
         return
     for transition in index.transitions:
-        for target in index.found(transition.definition.to):
+        for target in transition.targets:
             parallel = _crossed(transition, target)
             if parallel is not None and len(transition.definition.to) == 1:
                 yield (

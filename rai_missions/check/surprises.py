@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import itertools
 from bisect import bisect_left, bisect_right
+from collections.abc import Iterable
 
 from rai_missions.check.finding import Found
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
@@ -15,8 +16,9 @@ __all__ = ("hasty_retries", "lost_timers", "rival_actions")
 
 def lost_timers(index: MissionIndex) -> Found:
     """A transition with `after_s` and `when` fires at one instant or never; give another one for the other case."""
-    latest = _latest(index)
-    for transition in index.transitions:
+    timed = [each for each in index.transitions if each.definition.after_s is not None]
+    latest = _latest(timed)
+    for transition in timed:
         after_s, guard = transition.definition.after_s, transition.definition.when
         if after_s is not None and guard is not None and not _continues(transition, latest):
             wait = f'"when": {{"all": [{{"elapsed_s": {after_s:g}}}, …]}}'
@@ -27,13 +29,13 @@ def lost_timers(index: MissionIndex) -> Found:
             )
 
 
-def _latest(index: MissionIndex) -> dict[StateRef | None, list[float]]:
+def _latest(timed: Iterable[TransitionRef]) -> dict[StateRef | None, list[float]]:
     """The two latest instants at which transitions of a state, or of the mission, fire."""
     found: dict[StateRef | None, list[float]] = {}
-    for transition in index.transitions:
-        if transition.definition.after_s is not None:
-            instants = [*found.get(transition.owner, ()), transition.definition.after_s]
-            found[transition.owner] = sorted(instants, reverse=True)[:2]
+    for transition in timed:
+        assert transition.definition.after_s is not None
+        instants = [*found.get(transition.owner, ()), transition.definition.after_s]
+        found[transition.owner] = sorted(instants, reverse=True)[:2]
     return found
 
 
@@ -68,6 +70,8 @@ def rival_actions(index: MissionIndex) -> Found:
     """Of two actions in regions of one parallel, one handles `rejected`: they may need the same of the robot."""
     used = ((use, use.scope.owner) for use in index.uses if use.sort == "action")
     places = {spot: use.named_at for use, spot in used if spot is not None and use.user is spot.state}
+    if not places:
+        return
     acting = ActionStates(index, sorted(places, key=lambda spot: spot.index))
     for spot in acting.spots:
         rivals = acting.rivals(spot)

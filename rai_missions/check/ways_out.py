@@ -93,8 +93,7 @@ class WaysOut:
 
     def _leaves(self, spot: StateRef, transition: TransitionRef) -> bool:
         """Whether a transition of a state that has none inside can fire there, and leads to one other."""
-        targets = transition.definition.to
-        is_led_away = len(targets) == 1 and self._index.spot(targets[0]) is not spot
+        is_led_away = len(transition.definition.to) == 1 and transition.targets != [spot]
         return is_led_away and _can_fire(self._index, transition, frozenset())
 
     def of_mission(self, spot: StateRef) -> bool:
