@@ -196,11 +196,12 @@ class TalkDoors:
             return
         tally = _Tally(len(meant), on_end)
         for door in meant:
+            end = tally.of(is_aloud=door.is_aloud)
             try:
-                door.speak(speech, tally.of(is_aloud=door.is_aloud))
+                door.speak(speech, end)
             except Exception:
                 log.exception("the door '%s' cannot speak", door.channel)
-                tally.of(is_aloud=door.is_aloud)("failed")
+                end("failed")
 
 
 def _is_open(door: TalkDoor) -> bool:

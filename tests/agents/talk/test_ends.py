@@ -8,7 +8,7 @@ import threading
 
 import pytest
 
-from rai_missions.agents.talk.doors import OnSpoken, TalkLine
+from rai_missions.agents.talk.doors import OnSpoken, TalkDoors, TalkLine, TextDoor
 from rai_missions.conversation import Speech
 from rai_missions.conversation.inputs import SpeechResult
 from tests.agents.talk.scenes import RepliesModel, Screen, Talk
@@ -147,3 +147,32 @@ def test_the_end_is_reported_whole_once_whatever_fails_around_it() -> None:
 def test_the_end_is_reported_whole_once_a_thousand_times(first: int) -> None:
     for seed in range(first, first + 25):
         EndTrial(seed).run()
+
+
+class HastyDoor(TextDoor):
+    """It ends a speech, and raises."""
+
+    def speak(self, speech: Speech, on_end: OnSpoken) -> None:
+        on_end("failed")
+        raise RuntimeError("broken")
+
+
+class LaterDoor(TextDoor):
+    """It ends its speeches when the test has it do so."""
+
+    is_aloud = True
+
+    def __init__(self) -> None:
+        super().__init__("voice", lambda line: None)
+        self.ends: list[OnSpoken] = []
+
+    def speak(self, speech: Speech, on_end: OnSpoken) -> None:
+        self.ends.append(on_end)
+
+
+def test_a_door_that_ends_a_speech_and_raises_ends_it_for_no_other() -> None:
+    later, found = LaterDoor(), list[SpeechResult]()
+    TalkDoors([HastyDoor("terminal", lambda line: None), later]).speak(Speech("1", "it is done"), found.append)
+    assert found == []
+    later.ends[0]("cut")
+    assert found == ["cut"]
