@@ -245,7 +245,7 @@ class Comparisons:
         """The keys of lists that some state goes over."""
         return frozenset(path.split(".")[0] for path in self.items)
 
-    @property
+    @cached_property
     def sampled(self) -> tuple[str, ...]:
         """The paths that a few values are tried of, though guards can distinguish more."""
         return tuple(sorted({*self._odd, *self._reckoned(), *self._far(), *self._looked_into(), *self._wanted()}))
@@ -258,11 +258,11 @@ class Comparisons:
                 yield path
 
     def _far(self) -> Iterator[str]:
-        for path, radii in self.near.items():
-            kin = self.kin_of(path)
-            is_odd = len(kin) > 2 or (len(radii) > 1 and kin & self._copied)
-            if is_odd and not self.places(path) and not self._is_among_constants(path):
-                yield path
+        for kin in {frozenset(self.kin_of(path)) for path in self.near}:
+            is_copied = not kin.isdisjoint(self._copied)
+            odd = [path for path in kin & self.near.keys() if len(kin) > 2 or (is_copied and len(self.near[path]) > 1)]
+            if odd and not self.places(odd[0]) and not self._is_among_constants(odd[0]):
+                yield from odd
 
     def places(self, path: str) -> Places | None:
         """The places among which it is, or that it is one of; None where these do not represent all."""

@@ -278,7 +278,7 @@ class LiveReads:
     def _spread(self) -> bool:
         """One round; whether anything was learned."""
         before = sum(len(words) for words in self._live.values())
-        for node in self._graph.order:
+        for node in reversed(self._graph.order):  # most transitions lead to later states, whose needs are known then
             found = self._live[node].union(*(self._once_entered(node, transition) for transition in node.transitions))
             if node.is_each:
                 found |= self._once_in(node.initial, (node, *node.ancestors))

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from cProfile import Profile
 from itertools import product
 from random import Random
 from typing import Any
@@ -15,6 +16,7 @@ from rai_missions import Chart, Event
 from rai_missions.guards.near import distance
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import Proof, prove
+from rai_missions.prove.environment import Environment
 from rai_missions.prove.places import Places
 
 Json = dict[str, Any]
@@ -99,6 +101,31 @@ def test_a_target_that_is_set_from_arguments_is_one_of_them() -> None:
 
 def constant(x: float) -> Json:
     return {**KEPT, "initial": {"x": x, "y": 0.0, "frame": "map"}}
+
+
+def calls_for(stations: int) -> int:
+    """Calls of functions until the exploration of a round trip among stations, with a counter each, may begin."""
+    names = [f"station_{number}" for number in range(stations)]
+    mission = Mission.model_validate({
+        "format": 1, "name": "stations", "initial": names[0],
+        "blackboard": {
+            "pose": POSE, **{f"at_{name}": constant(3.0 * number) for number, name in enumerate(names)},
+            **{f"tries_{name}": {"type": "integer", "initial": 0} for name in names},
+        },
+        "states": {
+            **{name: {"transitions": [{"when": near(f"at_{name}"), "to": to},
+                                      {"when": {"key": f"tries_{name}", ">": 3}, "to": "over"}]}
+               for name, to in zip(names, [*names[1:], names[0]], strict=True)},
+            "over": OVER,
+        },
+    })  # fmt: skip
+    profile = Profile()
+    profile.runcall(Environment, mission)
+    return sum(each.callcount for each in profile.getstats())
+
+
+def test_what_is_done_ahead_of_an_exploration_grows_with_the_pairs_of_stations_at_most() -> None:
+    assert calls_for(40) < 5 * calls_for(20)
 
 
 def test_constants_that_lie_apart_are_near_one_at_a_time() -> None:
