@@ -60,6 +60,7 @@ class Grammar:
         self.sentence = SentenceGrammar(language, phrases, questions)
         """The grammar of each of its sentences."""
         self._lists = OrderLists(self.sentence)
+        self._negations = frozenset(language.data["claims"]["negations"])
         self._no_stop_behind = frozenset([*language.data["turning"], *language.data["ahead_of_a_stop"]])
 
     def senses(
@@ -79,6 +80,8 @@ class Grammar:
             text = CRY.sub("", text)  # that `whoa` stops nothing; what is behind it may
             words = self.language.normaliser.words(text)
         whole = self.sentence.senses(words, view, draft)
+        if draft is None and self._refuses_a_kind(text):
+            whole = tuple(each for each in whole if each.name != "answer")
         is_open = _is_open(whole)
         corrected = self._corrected_within(words, view) if is_open else ()
         is_list = is_open or all(sense.kind == "order" and sense.name in self.language.orders for sense in whole)
@@ -138,6 +141,11 @@ class Grammar:
         words = self.language.normaliser.words(text)
         once_only, sign = unrepeated(words), text.rstrip()[-1:]
         return text if once_only == words else " ".join(once_only) + ("" if sign.isalnum() else sign)
+
+    def _refuses_a_kind(self, text: str) -> bool:
+        """Whether it begins with a negation of a kind of things, and no sign between: `no horn`, but not `no, horn`."""
+        first, *rest = self.language.normaliser.words(next(iter(self.language.normaliser.clauses(text)), "")) or [""]
+        return first in self._negations and bool(rest) and rest[0] not in self.language.articles
 
     def refuses(self, text: str) -> bool:
         """Whether it is a no that is cried again and again: `no no no no`."""
@@ -213,7 +221,7 @@ class Grammar:
         """Whether another person wants a stop, `Mila wants you to stop`; not where none does, or in a question."""
         language = self.language
         is_asked = not set(words[:1]).isdisjoint(language.data["asking"])
-        if is_asked or not set(words).isdisjoint(language.data["claims"]["negations"]):
+        if is_asked or not self._negations.isdisjoint(words):
             return False
         relayed = language.relayed.match(language.normaliser.bare(words))
         passed_on = (language.imperative(slots["order"].split()) for slots in relayed)

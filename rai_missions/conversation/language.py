@@ -76,6 +76,7 @@ class Language(LanguageTexts):
         self.option_senses, self.advising = self._named_phrases("option_senses"), self._phrases("advising")
         self.statement, self.wish = self._phrases("statement"), self._phrases("wish")
         self.conditions, self.wanted = self._phrases("conditions"), self._phrases("wanted")
+        self.excepting = self._phrases("excepting")
         self._stating = frozenset(self.parts["verb"].split("|"))
         self._no_order_after, self._quoting = frozenset(data["no_order_after"]), frozenset(data["quoting"])
         names = ("order_joints", "reversing_joints", "before_openings")

@@ -3,7 +3,8 @@
 
 A language lists what people write for the usual options: to wait, to go around, to use the horn, to call a person, to
 give something up. An option has the senses that its name has, or else its `about`.
-Rule: an option that is found by sense is read back, and nothing is found in a question or behind a condition.
+Rule: an option that is found by sense is read back. Nothing is found in a question, behind a condition, or of what is
+only excepted: the horn of `anything but the horn`. Of `wait or honk` both are found, so that the person is asked which.
 """
 
 from __future__ import annotations
@@ -20,6 +21,8 @@ __all__ = ("OptionSenses",)
 
 MOST_OFFERS = 100
 """Options whose senses are remembered."""
+POLITE = 3
+"""Words of a request with a negation that is none: `can not you`."""
 LONGEST_ADVISING = 5
 """Words of the longest phrase ahead of what is advised: `you would do better to`."""
 
@@ -35,8 +38,9 @@ class OptionSenses:
         self._language, data = language, language.data
         self._senses, self._advising = language.option_senses, language.advising
         self._joints, self._senses_of = frozenset(data["clause_joints"]), lru_cache(MOST_OFFERS)(_senses_of)
-        self._negations = frozenset(data["claims"]["negations"])
-        self._requesting = frozenset(data["requesting"])
+        self._negations, self._or = frozenset(data["claims"]["negations"]), language.text("or")
+        self._requesting, self._addressed = frozenset(data["requesting"]), frozenset(data["addressed"])
+        self._asking = frozenset(data["asking"]) - self._requesting
         self._known = frozenset().union(*(each.words for each in self._senses.values()))
         self._spelled = self._known | language.vocabulary() | data["verb_forms"].keys()
 
@@ -48,12 +52,26 @@ class OptionSenses:
             options: What is offered.
         """
         clauses = [words for each in self._language.normaliser.remarks(text) if (words := self._words(each))]
-        is_asked = text.rstrip().endswith("?") and not any(self._requesting & set(words) for words in clauses)
-        is_open = any(self._language.conditions.begin(words) or self._language.no.fits(words) for words in clauses)
-        if is_asked or is_open or self._language.may_quote(text):
+        refused = [at for at, words in enumerate(clauses) if self._language.no.fits(words)]
+        clauses = clauses[refused[-1] + 1 if refused else 0 :]  # `honk... no, wait`
+        is_request = any(self._requesting & set(words) and words[0] not in self._asking for words in clauses)
+        is_open = any(map(self._language.conditions.begin, clauses))
+        if is_open or (text.rstrip().endswith("?") and not is_request) or self._language.may_quote(text):
             return []
-        meant = {name for words in clauses for name in self._advised(words)}
-        return [offer for offer in options if meant & self._senses_of(offer.name, offer.about)]
+        return list(self._meant(clauses, options))
+
+    def _meant(self, clauses: Sequence[Sequence[str]], options: Sequence[Offer]) -> Iterator[Offer]:
+        """The options that clauses name or have a sense of; one with all its senses comes before a part of it."""
+        meant = frozenset(name for words in clauses for name in self._advised(words))
+        senses = {each.name: self._senses_of(each.name, each.about) for each in options}
+        named = {each.name for each in options if any(self._names(words, each) for words in clauses)}
+        found = [each for each in options if each.name in named or meant & senses[each.name]]
+        whole = [each for each in found if each.name in named or senses[each.name] <= meant]
+        if any(self._or in words for words in clauses):
+            yield from found
+            return
+        parts = {each.name for each in whole for other in whole if senses[each.name] < senses[other.name]}
+        yield from (each for each in whole or found if each.name not in parts)
 
     def examples(self, offer: Offer) -> list[str]:
         """Plain sentences that ask for an option, by each of its senses."""
@@ -62,9 +80,18 @@ class OptionSenses:
         return [each for sense in senses for phrase in data.get(sense, ()) for each in self._language.examples(phrase)]
 
     def _words(self, clause: str) -> list[str]:
+        """The words of a clause, as they are meant, ahead of what it excepts."""
         words = self._language.normaliser.words(clause)
         bare = next(self._language.normaliser.openings(words), [])
-        return [self._mended(word) for word in bare]
+        bare = [word for at, word in enumerate(bare) if not self._is_polite(bare[max(0, at - 1) : at + 2])]
+        excepted = (at for at in range(len(bare)) if self._language.excepting.begin(bare[at:]))
+        return [self._mended(word) for word in bare[: next(excepted, len(bare))]]
+
+    def _is_polite(self, words: Sequence[str]) -> bool:
+        """Whether the negation in the middle is none: `can't you take another way`."""
+        return len(words) == POLITE and all(
+            word in each for word, each in zip(words, (self._requesting, self._negations, self._addressed), strict=True)
+        )
 
     def _mended(self, word: str) -> str:
         """A misspelled word of the senses as it is meant; one with another first letter is another word."""
@@ -77,12 +104,23 @@ class OptionSenses:
             if self._may_begin(words, at):
                 yield from (name for name, each in self._senses.items() if each.begin(words[at:]))
 
+    def _names(self, words: Sequence[str], offer: Offer) -> bool:
+        """Whether a clause orders or advises an option by its name; with values it is read elsewhere."""
+        name, is_plain = spoken(offer.name).split(), not (offer.parameters or {}).get("required")
+        begins = (at for at in range(len(words)) if words[at : at + len(name)] == name)
+        return is_plain and any(self._may_begin(words, at) for at in begins)
+
     def _may_begin(self, words: Sequence[str], at: int) -> bool:
         """Whether what is advised may begin at a word: ahead of others, behind a statement, or behind what advises."""
         before, clause = words[:at], takewhile(lambda word: word not in self._joints, words[at:])
         if not self._negations.isdisjoint((*before, *clause)):  # `hup nicht`: a language may have it behind the verb
             return False
-        if not before or before[-1] in self._joints or list(before) in self._language.normaliser.lead:
+        if (
+            not before
+            or before[-1] == self._or
+            or before[-1] in self._joints
+            or list(before) in self._language.normaliser.lead
+        ):
             return True
         if self._language.yes.fits(before) or self._language.may_order_behind(before):
             return True

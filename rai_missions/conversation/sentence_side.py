@@ -126,6 +126,10 @@ class SentenceSide:
             self._speaking.answer(self._talk.answers.closed(self._talk.view), utterance)
             return "handled"
         senses = self._answerable(senses)
+        if senses and all(
+            sense.name == "resume" and not self._orders.is_open(sense, utterance.role) for sense in senses
+        ):
+            senses = self._answered_by_sense(utterance.text, utterance.role) or senses
         if all(sense.kind == "fault" for sense in senses):
             senses = self._suggested(utterance, senses) or senses
         if not senses:
@@ -263,6 +267,9 @@ class SentenceSide:
         possible = [sense for sense in orders if self._orders.is_open(sense, utterance.role)]
         if len(possible) < 2:
             return possible[0] if possible else senses[0]
+        answers = [sense for sense in possible if sense.name == "answer"]
+        if len(answers) == 1 and all(sense.name == "pause" for sense in possible if sense not in answers):
+            return answers[0]._replace(is_partial=True)  # `wait`, where this is offered
         choices = language.listed([self._choice(sense) for sense in possible], "or")
         self._speaking.reply("ambiguous", utterance, choices=choices)
         return None

@@ -161,7 +161,7 @@ class Suggestions:
         for clause in self._language.normaliser.remarks(text):
             part, words = list[str](), self._language.normaliser.words(clause)
             for word in alone.get(" ".join(words), "").split() or words:
-                if word not in self._joints:
+                if word not in self._joints or self._language.excepting.fits([*part[-1:], word]):
                     part.append(word)
                 elif part:
                     yield part

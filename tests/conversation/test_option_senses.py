@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 import pytest
 
-from rai_missions.conversation import Dialogue, Order, Output, Settings, StatusView, TalkNote, Utterance
+from rai_missions.conversation import Dialogue, Order, Output, Settings, Speech, StatusView, TalkNote, Utterance
 from rai_missions.engine.decision import Offer, Question
 from tests.conversation.stored import SENTENCES, read, read_back
 
@@ -69,6 +69,68 @@ def test_nothing_is_an_answer_behind_a_condition_or_a_negation(code: str, before
 @pytest.mark.parametrize("text", ["Nicht hupen", "Hup nicht", "Kein Hupen", "Bloß nicht hupen", "Nie wieder warten"])
 def test_a_negation_before_or_behind_a_german_verb_leaves_no_answer(text: str) -> None:
     assert not any(map(is_read_back, outputs("de", text))), text
+
+
+@pytest.mark.parametrize(("code", "form"), [
+    ("en", "anything but {}"), ("en", "anything except {}"), ("en", "everything but {}"), ("en", "without {}"),
+    ("en", "no {}ing"), ("en", "rather than {}"), ("en", "not {}"),
+    ("de", "ohne zu {}"), ("de", "alles außer {}"), ("de", "alles, nur nicht {}"), ("de", "statt zu {}"),
+])  # fmt: skip
+def test_an_option_that_is_only_excepted_is_neither_read_back_nor_offered(code: str, form: str) -> None:
+    for option in {"en": ("honk", "wait", "drive on", "horn"), "de": ("hupen", "warten", "umfahren")}[code]:
+        found = outputs(code, form.format(option))
+        assert not [each for each in found if isinstance(each, TalkNote) and each.kind == "read_back"], option
+        assert not any(isinstance(each, Order) for each in found), option
+
+
+@pytest.mark.parametrize("text", ["no horn", "No horn!", "no noise", "no signal please"])
+def test_a_no_without_a_sign_behind_it_refuses_what_it_names(text: str) -> None:
+    assert answered(outputs("en", text)) == []
+
+
+@pytest.mark.parametrize(("code", "text", "place"), [
+    ("en", "drive around it without honking", 1), ("en", "no, honk", 2),
+    ("en", "honk... no, wait for it actually", 0), ("de", "umfahren ohne zu hupen", 1),
+])  # fmt: skip
+def test_what_an_exception_is_made_of_is_the_answer(code: str, text: str, place: int) -> None:
+    assert answered(outputs(code, text)) == [list(STORED[code]["options"])[place]]
+
+
+@pytest.mark.parametrize(("code", "text"), [
+    ("en", "either wait or honk"), ("en", "honk or drive around it, you decide"), ("en", "wait or honk"),
+    ("de", "entweder hupen oder umfahren"), ("de", "warten oder hupen, eins von beiden"),
+])  # fmt: skip
+def test_of_two_options_with_an_or_none_is_read_back(code: str, text: str) -> None:
+    found = outputs(code, text)
+    assert answered(found) == []
+    assert any("option" in each.text or "Möglichkeit" in each.text for each in found if isinstance(each, Speech))
+
+
+@pytest.mark.parametrize("text", ["wait", "Wait!", "wait please", "I would wait", "uh, wait I guess?"])
+def test_the_name_of_an_option_that_is_an_order_to_pause_as_well_is_read_back_as_the_answer(text: str) -> None:
+    assert answered(outputs("en", text)) == ["wait"]
+
+
+@pytest.mark.parametrize("text", ["keep driving, it is only grass", "keep going", "just carry on mate", "proceed"])
+def test_what_would_resume_a_run_that_is_not_paused_answers_a_question_that_offers_it(text: str) -> None:
+    view = asking({"signal": "sound the horn", "cross": "drive on, over it", "skip_it": "take the next one"})
+    found = Dialogue(Settings(), view).on_utterance(Utterance(text, "operator", "terminal", at=1.0), view)
+    assert answered(found) == ["cross"]
+
+
+@pytest.mark.parametrize(("text", "options"), [
+    ("just drive on, it is grass", ["cross"]), ("honk and drive on", ["signal"]), ("honk", ["signal"]),
+    ("wait", ["wait"]),
+])  # fmt: skip
+def test_an_option_with_all_that_is_asked_for_comes_before_one_with_a_part(text: str, options: list[str]) -> None:
+    view = asking({"signal": "sound the horn and drive on", "cross": "drive on", "wait": "wait for a person"})
+    found = Dialogue(Settings(), view).on_utterance(Utterance(text, "operator", "terminal", at=1.0), view)
+    assert answered(found) == options
+
+
+@pytest.mark.parametrize("text", ["How long would you have to wait?", "Why would you honk?", "When could you wait?"])
+def test_a_question_about_an_option_does_not_ask_for_it(text: str) -> None:
+    assert answered(outputs("en", text)) == []
 
 
 @pytest.mark.parametrize("text", ["first second", "second first", "First the second", "1 2", "first... second"])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sentences of a stranger, who had not seen the grammar: how many are read right, and what harmless ones do.
+"""Sentences of strangers, who had not seen the grammar: how many are read right, and what harmless ones do.
 
 Every other sentence was read while the rules were written, the first of each two; the rest was only counted.
 """
@@ -63,18 +63,40 @@ OPTIONS = (
     Offer("skip", "skip this room"),
     Offer("call", "call a person"),
 )
-ASKED = VIEW._replace(questions=(Question(1, "deciding", "operator", "Shall I wait or skip the room?", OPTIONS),))
+ALLEY = (
+    Offer("replan", "plan another way around it"),
+    Offer("signal", "sound the horn and drive on"),
+    Offer("continue", "drive on"),
+    Offer("wait", "wait for a person"),
+)
+VIEWS = {
+    "answers": VIEW._replace(
+        questions=(Question(1, "deciding", "operator", "Shall I wait or skip the room?", OPTIONS),)
+    ),
+    "tractor": VIEW._replace(
+        mission="tractor",
+        missions=(),
+        questions=(Question(1, "assessing", "operator", "Something is in the way. What shall I do?", ALLEY),),
+    ),
+}
+"""The run in which sentences of a kind were written; the other kinds have `VIEW`."""
 TASKS = {"back": "come_back"}
 STATE = {
     "state": ("doing", "mission", "happened", "progress"), "found": ("result", "happened", "count"),
     "where": ("where",), "why": ("why_stopped", "waits"), "can": ("capabilities", "places"), "battery": ("key",),
-    "long": ("time_left", "since", "progress"),
+    "long": ("time_left", "since", "progress"), "next": ("queued",), "done": ("happened", "progress", "result"),
 }  # fmt: skip
 NONE = "none"
 LEAST = {
-    ("house", "en"): (21, 18, 10, 9), ("house", "de"): (14, 11, 5, 5), ("stop", "en"): (18, 11, 12, 13),
-    ("stop", "de"): (10, 9, 9, 9), ("answers", "en"): (8, 10, 6, 6), ("answers", "de"): (3, 8, 4, 3),
-    ("state", "en"): (14, 13, 0, 0),
+    ("first", "house", "en"): (21, 18, 10, 9), ("first", "house", "de"): (14, 11, 5, 5),
+    ("first", "stop", "en"): (18, 12, 12, 13), ("first", "stop", "de"): (10, 9, 9, 9),
+    ("first", "answers", "en"): (13, 12, 6, 6), ("first", "answers", "de"): (5, 8, 4, 3),
+    ("first", "state", "en"): (14, 13, 0, 0),
+    ("second", "house", "en"): (16, 16, 6, 9), ("second", "house", "de"): (9, 10, 6, 3),
+    ("second", "stop", "en"): (10, 15, 14, 8), ("second", "stop", "de"): (7, 7, 8, 10),
+    ("second", "answers", "en"): (11, 9, 7, 5),
+    ("second", "tractor", "en"): (15, 9, 3, 9), ("second", "tractor", "de"): (8, 8, 5, 2),
+    ("second", "state", "en"): (11, 13, 0, 0), ("second", "state", "de"): (8, 10, 0, 0),
 }  # fmt: skip
 """Those that mean something and are read right, of the half that was read and of the other; then the harmless ones."""
 
@@ -109,24 +131,30 @@ def is_ordered(found: tuple[Output, ...], expected: str, code: str) -> bool:
     return task not in ("go", "look") or arguments[0].get("place") == what
 
 
-def rights(kind: str, code: str) -> Iterator[bool]:
+def rights(who: str, kind: str, code: str) -> Iterator[bool]:
     """Whether each sentence of a set is read right."""
-    texts, expected = zip(*SETS[kind][code], strict=True)
+    texts, expected = zip(*SETS[who][kind][code], strict=True)
     if kind == "state":
         grammar = Grammar(language(code))
-        for text, name in SETS[kind][code]:
+        for text, name in zip(texts, expected, strict=True):
             found = (*grammar.senses(text, VIEW), grammar.question_by_sense(text, VIEW))
             yield next((each.name for each in found if each is not None), "") in STATE[name]
         return
-    for found, name in zip(outputs(code, list(texts), ASKED if kind == "answers" else VIEW), expected, strict=True):
+    for found, name in zip(outputs(code, list(texts), VIEWS.get(kind, VIEW)), expected, strict=True):
         is_stop = any(isinstance(each, Order) and each.name == "stop" for each in found)
         yield is_stop == (name == "stop") if kind == "stop" else is_ordered(found, name, code)
 
 
-@pytest.mark.parametrize(("kind", "code"), LEAST)
-def test_as_many_sentences_of_a_stranger_are_read_right_as_before(kind: str, code: str) -> None:
-    rows = [(is_right, name == NONE) for is_right, (_, name) in zip(rights(kind, code), SETS[kind][code], strict=True)]
-    halves = [
+def halves(who: str, kind: str, code: str) -> list[int]:
+    """How many are read right of each half, as `LEAST` has them."""
+    expected = [name for _, name in SETS[who][kind][code]]
+    rows = [(is_right, name == NONE) for is_right, name in zip(rights(who, kind, code), expected, strict=True)]
+    return [
         sum(is_right for is_right, none in rows[at::2] if none == is_none) for is_none in (False, True) for at in (0, 1)
     ]
-    assert all(found >= least for found, least in zip(halves, LEAST[kind, code], strict=True)), halves
+
+
+@pytest.mark.parametrize(("who", "kind", "code"), LEAST)
+def test_as_many_sentences_of_a_stranger_are_read_right_as_before(who: str, kind: str, code: str) -> None:
+    found = halves(who, kind, code)
+    assert all(each >= least for each, least in zip(found, LEAST[who, kind, code], strict=True)), found
