@@ -41,6 +41,7 @@ class Addresses:
         self._stating = rules.states | rules.acts | rules.strong | rules.work | rules.scene
         self._unknown = re.compile(data["unknown_pattern"], re.IGNORECASE)
         self._condition = re.compile(data["condition_pattern"], re.IGNORECASE)
+        self._attached = (rules.relative - rules.definite).union(rules.asked, rules.hypothetical, data["attached"])
         self._condition_of_talk = re.compile(rf"\b(?:{data['condition_of_talk_pattern']})\s*(?:[,:]|(?=[.!?]|$))", re.I)
 
     def unconditioned(self, text: str) -> str:
@@ -53,6 +54,49 @@ class Addresses:
         known = self._unknown.sub(r"\1", text)
         main = self._condition.sub(" ", known)
         return main if self._rules.words(main) else known
+
+    def uncovered(self, text: str, *, is_question: bool) -> list[str]:
+        """The clauses of a sentence that its question, bid or condition does not cover, each as a statement.
+
+        Args:
+            text: A plain sentence.
+            is_question: Whether it ends with a question mark.
+        """
+        known = self.known(text)
+        parts = self._rules.parts(known)
+        if is_question:
+            covered = next((at for at, each in enumerate(parts) if self._is_asking(each)), len(parts) - 1)
+        elif known != text or (parts and self._bidding.begin(self._bare(parts[0]))):
+            covered = 0
+        else:
+            return []
+        return self._statements([*parts[:covered], *parts[covered + 1 :]])
+
+    def stated(self, text: str, *, is_question: bool) -> list[str]:
+        """The clauses of a sentence that states something, each as a sentence; none of a question or a condition.
+
+        Args:
+            text: A plain sentence.
+            is_question: Whether it ends with a question mark.
+        """
+        is_open = is_question or self.known(text) != text
+        return [] if is_open else self._statements(self._rules.parts(text))
+
+    def _statements(self, parts: Sequence[str]) -> list[str]:
+        return [f"{each.rstrip('.!? ')}." for each in parts if not self._is_attached(self._rules.words(each))]
+
+    def _bare(self, clause: str) -> list[str]:
+        words = self._rules.words(clause)
+        return self._rules.skip_lead(words) or words
+
+    def _is_attached(self, words: Sequence[str]) -> bool:
+        """Whether a clause is part of another one, and states nothing by itself."""
+        bare = self._rules.skip_lead(words) or words
+        return words[0] in self._attached or self._is_setting(bare)
+
+    def _is_asking(self, clause: str) -> bool:
+        words = self._bare(clause)
+        return self._asking.begin(words) or words[0] in self._rules.asking_words
 
     def main(self, clauses: Sequence[Sequence[str]]) -> list[Sequence[str]]:
         """The clauses from the main one on: without `in that case`, `to start a mission`."""

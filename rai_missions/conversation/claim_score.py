@@ -17,7 +17,7 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-__all__ = ("FOLDER", "ClaimWeights", "claim_weights", "features")
+__all__ = ("FOLDER", "MOST_OF_CLAUSE", "ClaimWeights", "claim_weights", "features")
 
 FOLDER = Path(__file__).parent / "claim_weights"
 MOST = 1.5

@@ -14,6 +14,8 @@ __all__ = ("CLAUSES", "ClaimWords", "Subject", "SubjectKind")
 
 CLAUSES = re.compile(r"(?:,(?!\d)|[;:()\n–—…|/])+|\s-+\s|[.!?]+\s+|(?<!\b[ioa][nft] )\b(?=that\b(?!\s\w+\W*$))", re.I)
 """Where a clause ends; `in that case` and `I know that name` are one."""
+PAUSE = r"(?:,(?!\d)|[;:()\n…|/])+|[.!?]+\s|\s[–—-]+\s"
+"""What is between two clauses of which each could be a sentence."""
 POSSESSIVE = re.compile(r"(?<=\w{3})'s\b")
 SubjectKind = Literal["self", "it", "work", "soft", "let"]
 
@@ -47,8 +49,12 @@ class ClaimWords:
         self._past, self._place = frozenset(data["past"]), self.pattern("place_pattern")
         self._tails = [tuple(each.split()) for each in data["tails"]]
         self._counted = re.compile(rf"\b(?:{data['counted_pattern']})", re.IGNORECASE)
+        joining = rf"(?:{data['joining_pattern']})\s+"
+        self._joints = re.compile(rf"\s*(?:{PAUSE})\s*(?:{joining})*|\s+(?:{joining})+", re.IGNORECASE)
         self.self_words = frozenset(data["self"])
         """The words for the robot itself."""
+        self.asking_words = frozenset(language.data["asking"])
+        """The words with which a question begins."""
         self.owned = self.definite | self.possessive
         small = self.function.union(self.adverbs, self.articles, self.auxiliaries, self.modals, self.person)
         self._small = small.union(self.substances, self.quantities)
@@ -80,6 +86,10 @@ class ClaimWords:
     def clauses(self, text: str) -> list[list[str]]:
         """The words of each clause of such a text."""
         return [words for part in CLAUSES.split(text) if (words := self.words(part))]
+
+    def parts(self, text: str) -> list[str]:
+        """The clauses of such a text of which each could be a sentence, without what joins them."""
+        return [each for each in self._joints.split(text) if self.words(each)]
 
     def is_counted(self, text: str) -> bool:
         """Whether a text has a share, such as `3 of 4`, `four of four` or `75 %`: how far something is."""

@@ -6,7 +6,8 @@ subject, or whose passive leaves open who did it, or whose subject is a certain 
 `3 of 4`, never passes. What cannot be judged, as of another language, is replaced as well. Of what is left a sentence
 passes with a mark of what is no report alone: a question, a modal, a condition, a kind of things, a definition.
 What is in doubt by these rules passes where its words are those of harmless sentences, and a sentence whose words are
-those of claims never does (`claim_score`). What is in brackets or behind a dash is also judged by itself.
+those of claims never does (`claim_score`). What is in brackets or behind a dash is also judged by itself, and so is
+each clause next to a question, a bid or a condition: these cover no other one.
 Rule: in doubt it is a claim. A harmless sentence that is replaced costs a sentence; a claim that passes costs trust.
 """
 
@@ -15,9 +16,9 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import chain, pairwise
 
-from rai_missions.conversation.claim_score import claim_weights
+from rai_missions.conversation.claim_score import MOST_OF_CLAUSE, claim_weights
 from rai_missions.conversation.claim_words import CLAUSES
 from rai_missions.conversation.harmless_clauses import LEAST_PREDICATE
 from rai_missions.conversation.judged_sentence import CERTAIN, ClaimKind, JudgedSentence, claim_rules
@@ -80,7 +81,14 @@ class Claims:
         """
         parts = [self._addresses.unconditioned(plain(each)) for each in statements(sentence)]
         judged = [sentence] if parts == [plain(sentence)] else [sentence, *parts]
-        return next(filter(None, (self._why(each, view) for each in judged)), "")
+        uncovered = (part for each in judged for part in self._uncovered(each))
+        return next(filter(None, (self._why(each, view) for each in chain(judged, uncovered))), "")
+
+    def _uncovered(self, sentence: str) -> list[str]:
+        """The clauses that state something behind a question, a bid or a condition."""
+        text = self._addresses.unconditioned(plain(sentence))
+        clauses = self._addresses.uncovered(text, is_question=_is_question(sentence))
+        return [each for each in clauses if len(each.split()) > SHORT or self._weights.score(each) > MOST_OF_CLAUSE]
 
     def _why(self, sentence: str, view: StatusView) -> ClaimKind:
         """See `why_replaced`; of a sentence that is one statement."""
@@ -89,7 +97,9 @@ class Claims:
             return kind
         text = plain(sentence)
         if not kind:
-            return "report" if self._weights.is_claim(text) else ""
+            stated = self._addresses.stated(text, is_question=_is_question(sentence))
+            scored = [text, *(each for each in stated if len(each.split()) >= LEAST_SCORED)]
+            return "report" if any(map(self._weights.is_claim, scored)) else ""
         return "" if self._weights.is_harmless(text, scored_clauses(text)) else kind
 
     def why_suspected(self, sentence: str, view: StatusView) -> ClaimKind:
