@@ -61,14 +61,18 @@ class Reports:
         self._language, self._settings, self._starts = language, settings, starts
         self._all: dict[str, MissionReport] = {}
         self._run = ""
+        self._moving: frozenset[str] = frozenset()
+        """The actions of the run that may still move the robot, and are reported."""
         self._waiting: MissionReport | None = None
         self.last_end = ""
         self.is_speaker_alive = True
 
     def follow(self, view: StatusView, at: float) -> None:
         """Add what the run's new status makes due; what a process before this one may have spoken is a repetition."""
-        repeated, self._run = view.is_resumed and view.run != self._run, view.run
-        for identity, text, priority in self._new(view):
+        is_other, self._run = view.run != self._run, view.run
+        repeated, reported = view.is_resumed and is_other, frozenset() if is_other else self._moving
+        self._moving = frozenset(view.open_goals)
+        for identity, text, priority in self._new(view, is_moving=not self._moving <= reported):
             if priority == "end":
                 self.last_end = text
             if identity not in self._all:
@@ -103,7 +107,13 @@ class Reports:
         for identity in old[: max(len(self._all) - KEPT, 0)]:
             del self._all[identity]
 
-    def _new(self, view: StatusView) -> Iterator[tuple[str, str, Priority]]:
+    def _new(self, view: StatusView, *, is_moving: bool) -> Iterator[tuple[str, str, Priority]]:
+        """What there is to report now, with the identity of each.
+
+        Args:
+            view: The run.
+            is_moving: An action may still move the robot of which that was not reported.
+        """
         language, run = self._language, view.run or "run"
         if view.mode == "ready" and view.awaits_start:
             yield f"{run}:ready", language.text("report_ready", mission=spoken(view.mission)), "question"
@@ -116,6 +126,8 @@ class Reports:
                 "report_question", question=question_text(question, language, self._settings.asked_with)
             )
             yield f"{run}:question:{question.number}", text, "question"
+        if is_moving and (view.is_alive or f"{run}:end" in self._all):  # an end that is due has it in its text
+            yield f"{run}:moving:{view.revision}", goals_text(view, language), "question"
         if view.has_ended:
             yield f"{run}:end", self._end(view), "end"
 
