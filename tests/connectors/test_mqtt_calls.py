@@ -9,6 +9,7 @@ import threading
 import pytest
 
 from rai_missions.connectors.connector import Reply
+from rai_missions.connectors.contract import Inbox
 from rai_missions.connectors.mqtt.calls import MOST_ANSWERED, PendingCalls
 
 DONE = Reply("succeeded", {"done": True})
@@ -25,17 +26,14 @@ def test_a_call_ends_once_whatever_else_comes() -> None:
     assert replies == [DONE]
 
 
-def test_no_timer_waits_for_a_call_that_has_ended() -> None:
-    calls, before = PendingCalls(), set(threading.enumerate())
-    calls.begin(b"1", "/horn", lambda reply: None, 3600)
-    timers = set(threading.enumerate()) - before
-    assert timers
+def test_all_calls_have_one_thread_for_their_timeouts() -> None:
+    calls, before, replies = PendingCalls(), set(threading.enumerate()), Inbox[Reply]()
+    for key in (b"1", b"2", b"3"):
+        calls.begin(key, "/horn", replies, 3600)
+    calls.begin(b"4", "/horn", replies, 0.01)
 
-    calls.answered(b"1", DONE)
-
-    for timer in timers:
-        timer.join(5)
-    assert not any(timer.is_alive() for timer in timers)
+    assert len(set(threading.enumerate()) - before) == 1
+    assert [each.why for each in replies.wait(bool, "no one answers")] == ["/horn has not answered within 0.01 s"]
 
 
 def test_a_second_server_is_known_by_one_of_the_last_answers(caplog: pytest.LogCaptureFixture) -> None:

@@ -3,11 +3,10 @@
 
 from __future__ import annotations
 
-import threading
 from collections import OrderedDict
-from collections.abc import Callable
 
 from rai_missions.connectors.connector import OnReply, Reply
+from rai_missions.connectors.worker import Worker
 from rai_missions.redaction import logger
 
 __all__ = ("PendingCalls",)
@@ -22,17 +21,18 @@ class PendingCalls:
     """The calls that wait for a reply, by the key that the reply brings back; used from any thread."""
 
     def __init__(self) -> None:
-        self._pending: dict[bytes, _Call] = {}
+        self._pending: dict[bytes, tuple[str, OnReply]] = {}
+        """Key → the service, and who waits."""
         self._answered: OrderedDict[bytes, str] = OrderedDict()
         self._rivals: set[str] = set()
+        self._timeouts = Worker("timeouts of MQTT calls")
 
     def begin(self, key: bytes, service: str, on_reply: OnReply, timeout_s: float | None) -> None:
         """Await a reply; where a timeout is given, for no longer."""
-        late = Reply("timed_out", {}, f"{service} has not answered within {timeout_s} s")
-        timer = None if timeout_s is None else _timer(timeout_s, lambda: self.end(key, late))
-        self._pending[key] = _Call(service, on_reply, timer)
-        if timer is not None:
-            timer.start()
+        self._pending[key] = service, on_reply
+        if timeout_s is not None:
+            late = Reply("timed_out", {}, f"{service} has not answered within {timeout_s} s")
+            self._timeouts.after(timeout_s, lambda: self.end(key, late))
 
     def answered(self, key: bytes, reply: Reply) -> None:
         """A server has answered; where another has before, the two are logged."""
@@ -40,7 +40,7 @@ class PendingCalls:
         if call is None:
             self._second(self._answered.get(key, ""))
             return
-        self._answered[key] = call.service
+        self._answered[key] = call[0]
         while len(self._answered) > MOST_ANSWERED:
             self._answered.popitem(last=False)
         self.end(key, reply)
@@ -50,12 +50,11 @@ class PendingCalls:
         call = self._pending.pop(key, None)
         if call is None:
             return
-        if call.timer is not None:
-            call.timer.cancel()
+        service, on_reply = call
         try:
-            call.on_reply(reply)
+            on_reply(reply)
         except Exception:
-            log.exception("who called %s failed", call.service)
+            log.exception("who called %s failed", service)
 
     def give_up(self, why: str) -> None:
         """No reply will come to any of them."""
@@ -69,17 +68,3 @@ class PendingCalls:
             log.error(
                 "two servers answer %s: each request is carried out twice; give each robot its own names", service
             )
-
-
-class _Call:
-    """A request that waits for its reply."""
-
-    def __init__(self, service: str, on_reply: OnReply, timer: threading.Timer | None) -> None:
-        self.service, self.on_reply, self.timer = service, on_reply, timer
-
-
-def _timer(seconds: float, do: Callable[[], None]) -> threading.Timer:
-    """One that keeps no program from its end."""
-    timer = threading.Timer(seconds, do)
-    timer.daemon = True
-    return timer
