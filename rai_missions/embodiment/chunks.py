@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from rai_missions.embodiment.document import TextDocument
 from rai_missions.embodiment.passage import DocumentPassage
@@ -28,18 +28,18 @@ def passages_of(name: str, document: TextDocument) -> Iterator[DocumentPassage]:
         document: What was read from it.
     """
     for section in document.sections:
-        for text in _packed(redacted(section.text)):
+        for text in _packed(_pieces(redacted(section.text)), "\n"):
             yield DocumentPassage(name, " › ".join(section.heading), text)
 
 
-def _packed(text: str) -> Iterator[str]:
-    """Pieces put together as long as they fit."""
+def _packed(pieces: Iterable[str], joint: str, longest: int = LONGEST_PASSAGE) -> Iterator[str]:
+    """Pieces put together as long as they fit; one that is too long stays by itself."""
     kept = ""
-    for piece in _pieces(text):
-        if kept and len(kept) + len(piece) + 1 > LONGEST_PASSAGE:
+    for piece in pieces:
+        if kept and len(kept) + len(piece) + 1 > longest:
             yield kept
             kept = ""
-        kept = f"{kept}\n{piece}" if kept else piece
+        kept = f"{kept}{joint}{piece}" if kept else piece
     if kept:
         yield kept
 
@@ -49,26 +49,12 @@ def _pieces(text: str) -> Iterator[str]:
     for paragraph in text.split("\n\n"):
         if len(paragraph) <= LONGEST_PASSAGE:
             yield paragraph
-            continue
-        kept = ""
-        for sentence in SENTENCE_END.split(paragraph):
-            if kept and len(kept) + len(sentence) + 1 > LONGEST_PASSAGE:
-                yield kept
-                kept = ""
-            kept = f"{kept} {sentence}" if kept else sentence
-            *full, kept = _divided(kept)
-            yield from full
-        yield kept
+        else:
+            sentences = SENTENCE_END.split(paragraph)
+            yield from _packed((part for sentence in sentences for part in _divided(sentence)), " ")
 
 
-def _divided(text: str) -> list[str]:
-    """A text without an end of a sentence, between its words."""
-    if len(text) <= LONGEST_SENTENCE:
-        return [text]
-    words, lines = text.split(" "), [""]
-    for word in words:
-        for part in WORD_PART.findall(word):
-            if lines[-1] and len(lines[-1]) + len(part) + 1 > LONGEST_SENTENCE:
-                lines.append("")
-            lines[-1] = f"{lines[-1]} {part}" if lines[-1] else part
-    return lines
+def _divided(text: str) -> Iterator[str]:
+    """A text that is too long between its words, and a word that is too long anywhere."""
+    words = (part for word in text.split(" ") for part in WORD_PART.findall(word))
+    return _packed(words, " ", LONGEST_SENTENCE)
