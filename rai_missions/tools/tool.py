@@ -17,7 +17,7 @@ from rai_missions.redaction import cut, logger
 from rai_missions.tools.arguments import arguments_of
 from rai_missions.tools.result import ToolResult
 
-__all__ = ("RobotTool",)
+__all__ = ("RobotTool", "is_read_only")
 
 log = logger(__name__)
 
@@ -45,10 +45,6 @@ class RobotTool(BaseTool):
     handle_tool_error: bool | str | Callable[[ToolException], str] | None = _failed
     handle_validation_error: Any = _not_understood
 
-    @property
-    def is_read_only(self) -> bool:
-        return (self.metadata or {}).get("read_only") is True
-
     def _run(self, *given: Any, **words: Any) -> tuple[str | list[dict[str, Any]], Any]:
         try:
             result = self.act(*given, **words)
@@ -60,6 +56,11 @@ class RobotTool(BaseTool):
         except Exception as fault:
             log.exception("the tool %s failed", self.name)
             raise ToolException(f"failed: {type(fault).__name__}: {cut(fault, 200)}") from fault
+
+
+def is_read_only(tool: BaseTool) -> bool:
+    """Whether a tool is marked as one that only looks: `metadata={"read_only": True}`."""
+    return (tool.metadata or {}).get("read_only") is True
 
 
 def robot_tool(act: Callable[..., ToolResult], *, read_only: bool) -> RobotTool:

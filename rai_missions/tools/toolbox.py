@@ -17,7 +17,7 @@ from rai_missions.tools.goals import GoalState, ToolGoals
 from rai_missions.tools.navigation import NavigationTools
 from rai_missions.tools.result import ToolResult
 from rai_missions.tools.sensors import SensorTools
-from rai_missions.tools.tool import RobotTool, robot_tool
+from rai_missions.tools.tool import RobotTool, is_read_only, robot_tool
 
 __all__ = ("Toolbox",)
 
@@ -71,7 +71,7 @@ class Toolbox:
     @property
     def read_only(self) -> tuple[RobotTool, ...]:
         """The tools that only look."""
-        return tuple(tool for tool in self.tools if tool.is_read_only)
+        return tuple(filter(is_read_only, self.tools))
 
     def stop(self, within_s: float = 5.0) -> tuple[GoalState, ...]:
         """Cancel the goals that still run and end every wait; the goals whose end no one confirmed in time."""

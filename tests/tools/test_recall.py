@@ -14,6 +14,7 @@ from langchain_core.vectorstores import InMemoryVectorStore
 from rai_missions.embodiment import Library
 from rai_missions.errors import UsageError
 from rai_missions.tools import recall_tool
+from rai_missions.tools.tool import is_read_only
 from rai_missions.tools.vector_stores import LibraryRetriever, LibraryVectorStore, PassageStore, TextEmbeddings
 from tests.embodiment.test_library import LetterVectors
 from tests.rigs.documents import Part, plain
@@ -29,7 +30,7 @@ def library(tmp_path: Path) -> Library:
 
 def test_a_model_is_given_quotations_that_cannot_end_their_block(library: Library) -> None:
     tool = recall_tool(library)
-    assert tool.is_read_only and tool.metadata is not None and tool.metadata["marks_data"]
+    assert is_read_only(tool) and tool.metadata is not None and tool.metadata["marks_data"]
     shown = tool.invoke({"question": "lidar?", "count": 1})
     head, quoted = str(shown).split("\n<facts>\n")
     assert head == "Passages of the robot's documents, quoted, the best first (1):"

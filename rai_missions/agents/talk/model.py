@@ -18,13 +18,12 @@ from langchain_core.tools import BaseTool
 
 from rai_missions.agents.talk.prompt import forms, talk_messages
 from rai_missions.answerers.model.chat import (
-    Absent,
     BudgetExceeded,
     Chat,
-    ModelExit,
     ModelFault,
     ThreadChat,
     check_open,
+    why_failed,
 )
 from rai_missions.answerers.model.output_modes import OutputMode, modes_of
 from rai_missions.answerers.model.parse_reply import ModelReply
@@ -34,7 +33,7 @@ from rai_missions.conversation import AskModel, ModelText, StatusView
 from rai_missions.embodiment.identity import Identity
 from rai_missions.engine.decision import Limits, Question
 from rai_missions.plain_data import json_object
-from rai_missions.redaction import Redaction, cut, first_line
+from rai_missions.redaction import Redaction, cut
 
 __all__ = ("LookTools", "OnModelText", "TalkModel")
 
@@ -114,12 +113,8 @@ class TalkModel:
     def _answer(self, request: AskModel, view: Callable[[], StatusView], pending: PendingQuestion) -> dict[str, Any]:
         try:
             return self._tried(request, view, pending)
-        except (Absent, BudgetExceeded, ModelExit) as ended:
-            return {"failed": cut(ended, 300)}
-        except ModelFault as error:
-            return {"failed": f"the model raised {error.kind}: {first_line(error.what)}"}
-        except BaseException as error:  # noqa: BLE001 - even an exit that a package asks for is only a failed answer
-            return {"failed": f"the model raised {type(error).__name__}: {first_line(error)}"}
+        except BaseException as error:  # noqa: BLE001 - whatever a package raises is only a failed answer
+            return {"failed": cut(why_failed(error), 300)}
 
     def _tried(self, request: AskModel, view: Callable[[], StatusView], pending: PendingQuestion) -> dict[str, Any]:
         """The answer in the first mode that fits the model."""

@@ -15,7 +15,7 @@ from langchain_core.tools import BaseTool
 from langchain_core.utils.function_calling import convert_to_openai_tool
 
 from rai_missions.answerers.model.output_modes import AnswerForm, OutputMode
-from rai_missions.answerers.model.prompt import quoted
+from rai_missions.answerers.model.prompt import quoted, system_text
 from rai_missions.conversation import AskModel
 from rai_missions.embodiment.identity import Identity
 
@@ -37,13 +37,11 @@ def talk_messages(
     request: AskModel, identity: Identity | None, mode: OutputMode, tools: Sequence[str]
 ) -> list[BaseMessage]:
     """The messages that put a person's sentence to a model."""
-    words = identity.description.strip().replace("</", "< /") if identity is not None else ""
-    system = f"<identity>\n{words}\n</identity>\n\n{RULES}" if words else RULES
     build = [quoted(identity.body.words())] if identity is not None and identity.body is not None else []
     turns = [quoted(f"{turn.by}: {turn.text}") for turn in request.history[-MOST_TURNS:]]
     facts = [*build, quoted(f"status: {request.status}"), *turns, quoted(f"{request.role}: {request.text}")]
     text = "\n".join((_form(request, mode, tools), "<facts>", *facts, "</facts>"))
-    return [SystemMessage(system), HumanMessage(text)]
+    return [SystemMessage(system_text(identity, RULES)), HumanMessage(text)]
 
 
 def forms(request: AskModel, tools: Mapping[str, BaseTool]) -> AnswerForm:
@@ -56,24 +54,21 @@ def forms(request: AskModel, tools: Mapping[str, BaseTool]) -> AnswerForm:
         properties["order"] = {"anyOf": [*orders, {"type": "null"}]}
         about = "Propose one order, which the person is asked to confirm."
         functions.append(_function("propose_order", {"order": choice}, about))
-    schema = {
-        "title": "answer",
-        "type": "object",
-        "properties": properties,
-        "required": list(properties),
-        "additionalProperties": False,
-    }
-    return AnswerForm(schema, functions)
+    return AnswerForm({"title": "answer", **_object(properties)}, functions)
 
 
 def _function(name: str, properties: Mapping[str, Any], about: str) -> dict[str, Any]:
-    parameters = {
+    return {"type": "function", "function": {"name": name, "description": about, "parameters": _object(properties)}}
+
+
+def _object(properties: Mapping[str, Any]) -> dict[str, Any]:
+    """The JSON Schema of an object that has just these."""
+    return {
         "type": "object",
         "properties": dict(properties),
         "required": list(properties),
         "additionalProperties": False,
     }
-    return {"type": "function", "function": {"name": name, "description": about, "parameters": parameters}}
 
 
 def _form(request: AskModel, mode: OutputMode, tools: Sequence[str]) -> str:

@@ -14,17 +14,17 @@ from typing import Any, Literal, get_args
 from langchain_core.language_models import BaseChatModel
 from langchain_core.tools import BaseTool
 
-from rai_missions.answerers.model.chat import Absent, BudgetExceeded, Chat, ModelExit, ModelFault, ThreadChat
+from rai_missions.answerers.model.chat import Absent, Chat, ThreadChat, why_failed
 from rai_missions.answerers.model.conversation import ModelConfig, ModelConversation
 from rai_missions.answerers.model.output_modes import OutputMode
 from rai_missions.answerers.model.parse_reply import ParsedReply
 from rai_missions.answerers.model.pending import PendingQuestion, QuestionThreads
 from rai_missions.answerers.model.secrets import secrets_of
-from rai_missions.answerers.model.tool_calls import is_read_only
 from rai_missions.embodiment.identity import Identity
 from rai_missions.engine.decision import Question
 from rai_missions.errors import UsageError, suggestion
-from rai_missions.redaction import Redaction, cut, first_line, shown
+from rai_missions.redaction import Redaction, cut, shown
+from rai_missions.tools.tool import is_read_only
 
 __all__ = ("DecisionAgent",)
 
@@ -117,12 +117,8 @@ class DecisionAgent:
             reply = conversation.think()
         except Absent as absent:
             return self._journaled(conversation, {"absent": cut(absent, LONGEST_WHY)})
-        except (BudgetExceeded, ModelExit) as ended:
-            reply = ParsedReply(failed=str(ended))
-        except ModelFault as error:
-            reply = ParsedReply(failed=f"the model raised {error.kind}: {first_line(error.what)}")
-        except BaseException as error:  # noqa: BLE001 - even an exit that a package asks for is only a failed answer
-            reply = ParsedReply(failed=f"the model raised {type(error).__name__}: {first_line(error)}")
+        except BaseException as error:  # noqa: BLE001 - whatever a package raises is only a failed answer
+            reply = ParsedReply(failed=why_failed(error))
         if reply.choice:
             self._unfit.update(conversation.unfit)
             return self._journaled(conversation, reply.choice)

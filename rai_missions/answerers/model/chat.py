@@ -27,6 +27,7 @@ from rai_missions.answerers.model.output_modes import (
 )
 from rai_missions.answerers.model.parse_reply import LONGEST, ModelReply, excess, reply_of
 from rai_missions.answerers.model.pending import PendingQuestion
+from rai_missions.redaction import first_line
 
 __all__ = (
     "UNWANTED",
@@ -40,6 +41,7 @@ __all__ = (
     "ThreadChat",
     "check_open",
     "name_of",
+    "why_failed",
 )
 
 UNFIT = frozenset({400, 415, 422, 500, 501})
@@ -245,6 +247,14 @@ def check_open(pending: PendingQuestion) -> None:
     """
     if not pending.open:
         raise BudgetExceeded(UNWANTED)
+
+
+def why_failed(error: BaseException) -> str:
+    """Why a model gave no answer, whatever ended it, even an exit that a package asks for."""
+    if isinstance(error, Absent | BudgetExceeded | ModelExit):
+        return str(error)
+    fault = error if isinstance(error, ModelFault) else ModelFault.by(error)
+    return f"the model raised {fault.kind}: {first_line(fault.what)}"
 
 
 def name_of(model: BaseChatModel) -> str:

@@ -20,7 +20,7 @@ from rai_missions.engine.decision import Evidence, Offer, Question
 from rai_missions.image import Image
 from rai_missions.redaction import closed, cut
 
-__all__ = ("messages_of", "quoted")
+__all__ = ("messages_of", "quoted", "system_text")
 
 LONGEST_FACT = 2_000
 """Characters of one fact that are shown."""
@@ -64,7 +64,7 @@ def messages_of(
     content: Any = (
         [{"type": "text", "text": text}, *(block for _, blocks in seen for block in blocks)] if seen else text
     )
-    return [SystemMessage(_system(identity)), HumanMessage(content)]
+    return [SystemMessage(system_text(identity, RULES)), HumanMessage(content)]
 
 
 def quoted(text: str, length: int = 0) -> str:
@@ -79,11 +79,10 @@ def quoted(text: str, length: int = 0) -> str:
     return closed(json.dumps(f"{shown}{more}", ensure_ascii=False))
 
 
-def _system(identity: Identity | None) -> str:
-    if identity is None:
-        return RULES
-    words = identity.description.strip().replace("</", "< /")
-    return f"<identity>\n{words}\n</identity>\n\n{RULES}"
+def system_text(identity: Identity | None, rules: str) -> str:
+    """Who is asked, as an embodied being, and behind that the rules of the one who asks."""
+    words = identity.description.strip().replace("</", "< /") if identity is not None else ""
+    return f"<identity>\n{words}\n</identity>\n\n{rules}" if words else rules
 
 
 def _facts(question: Question, shown: Iterable[str], identity: Identity | None) -> str:

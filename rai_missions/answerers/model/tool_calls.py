@@ -19,7 +19,7 @@ from rai_missions.errors import in_words
 from rai_missions.redaction import cut
 from rai_missions.tools.result import outline
 
-__all__ = ("ToolLookup", "is_read_only", "look_up", "shown")
+__all__ = ("ToolLookup", "look_up", "shown")
 
 LONGEST_NAME, LONGEST_ID, LONGEST_NOTE = 100, 200, 500
 LONGEST_TEXT = 64_000
@@ -36,11 +36,6 @@ class ToolLookup(NamedTuple):
     """For the journal, next to the answer: `tool`, `arguments` as JSON, and the beginning of its result as `said`."""
     pictures: tuple[Mapping[str, Any], ...] = ()
     """Content blocks."""
-
-
-def is_read_only(tool: BaseTool) -> bool:
-    """Whether a tool is marked as one that only looks: `metadata={"read_only": True}`."""
-    return (tool.metadata or {}).get("read_only") is True
 
 
 def look_up(tools: Mapping[str, BaseTool], call: Mapping[str, Any], clean: Callable[[str], str]) -> ToolLookup:

@@ -7,11 +7,11 @@ from pathlib import Path
 
 from rai_missions.agents.talk.look_tools import look_tools
 from rai_missions.agents.talk.prompt import talk_messages
-from rai_missions.answerers.model.tool_calls import is_read_only
 from rai_missions.conversation import StatusView
 from rai_missions.conversation.outputs import AskModel
 from rai_missions.embodiment import Body, Identity, Library
 from rai_missions.embodiment.urdf import BodyLink
+from rai_missions.tools.tool import is_read_only
 from tests.embodiment.test_library import LetterVectors
 from tests.rigs.documents import plain
 

@@ -34,13 +34,6 @@ class Outlet:
             write_all(self._fd, pieces)
 
 
-class Open:
-    """Whether a question is still waited for."""
-
-    def __init__(self) -> None:
-        self.is_open = True
-
-
 def work(request_fd: int, reply_fd: int) -> None:
     """Take orders until there are no more."""
     outlet = Outlet(reply_fd)
@@ -51,18 +44,20 @@ def work(request_fd: int, reply_fd: int) -> None:
     if opened is None:
         return
     model, _redactions = opened  # what the model's keys are is hidden for as long as these live
-    talks: dict[int, tuple[Any, Open]] = {}
+    talks: dict[int, tuple[Any, threading.Event]] = {}
+    """Question → its conversation, and whether it is waited for no longer."""
     while (order := read_frame(request_fd)) is not None:
         message, blobs = order
-        number, is_open = message["id"], talks[message["id"]][1] if message["id"] in talks else Open()
+        number = message["id"]
+        dropped = talks[number][1] if number in talks else threading.Event()
         if message["do"] == "drop":
-            is_open.is_open = False
+            dropped.set()
             talks.pop(number, None)
             outlet.send({"dropped": number})
             continue
         if message["do"] == "begin":
-            talks[number] = (None, is_open)
-        given = (model, message, blobs, talks, is_open, outlet)
+            talks[number] = (None, dropped)
+        given = (model, message, blobs, talks, dropped, outlet)
         threading.Thread(target=_answer, args=given, name=f"question {number}", daemon=True).start()
 
 
@@ -92,8 +87,8 @@ def _answer(
     model: Any,
     message: Mapping[str, Any],
     blobs: Sequence[bytes],
-    talks: dict[int, tuple[Any, Open]],
-    is_open: Open,
+    talks: dict[int, tuple[Any, threading.Event]],
+    dropped: threading.Event,
     outlet: Outlet,
 ) -> None:
     """Put one question, or what was looked up for it, to the model."""
@@ -105,8 +100,8 @@ def _answer(
     try:
         if message["do"] == "begin":
             form = AnswerForm(message["schema"], message["tools"])
-            talk = ThreadConversation(model, message["mode"], form, lambda: is_open.is_open)
-            talks[number] = (talk, is_open)
+            talk = ThreadConversation(model, message["mode"], form, lambda: not dropped.is_set())
+            talks[number] = (talk, dropped)
         else:
             talk = talks[number][0]
         words = reply_words(talk.ask(messages_in(message["messages"], blobs)))
