@@ -6,20 +6,16 @@ Rule: what a type leaves open is no fault. The connector converts a value, and r
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
+from rai_missions.connectors.field_types import INTEGERS, field_type
 from rai_missions.keys import Key
 from rai_missions.profile.type_fields import inside, is_list
 from rai_missions.redaction import shown
 
 __all__ = ("SentValue", "misfit", "sent_value")
 
-WHOLE = re.compile(r"(u?)int(8|16|32|64)")
-OCTET = "uint8"
-LIST = re.compile(r"sequence<(?P<item>[^,>]+).*>|(?P<each>.+)\[\d+\]")
-TEXT = re.compile(r"w?string(<\d+>)?")
 KINDS: Mapping[type, str] = {
     bool: "boolean",
     int: "integer",
@@ -103,20 +99,19 @@ def _wanted(leaf: Any, value: SentValue) -> str:
         return "true or false" * (value.kind != "boolean")
     if leaf in ("float", "double"):
         return "a number" * (value.kind not in NUMBERS)
-    if TEXT.fullmatch(str(leaf)):
+    name = field_type(str(leaf)).name
+    if name == "string":
         return "a text" * (value.kind != "string")
-    return _wanted_whole(str(leaf), value)
+    return _wanted_whole("uint8" if name == "octet" else name, value)
 
 
-def _wanted_whole(leaf: str, value: SentValue) -> str:
-    found = WHOLE.fullmatch(OCTET if leaf == "octet" else leaf)
-    if found is None:
+def _wanted_whole(name: str, value: SentValue) -> str:
+    if name not in INTEGERS:
         return ""
     constant = value.constant
     if value.kind not in NUMBERS or (constant is not None and constant != int(constant)):
         return "a whole number"
-    signed, bits = not found[1], int(found[2])
-    least, greatest = (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1) if signed else (0, 2**bits - 1)
+    least, greatest = INTEGERS[name]
     return "" if constant is None or least <= constant <= greatest else f"a whole number from {least} to {greatest}"
 
 
@@ -132,8 +127,7 @@ def _item(leaf: Any) -> Any:
     """What an item of a list is; None where that is open."""
     if not isinstance(leaf, str):
         return leaf[0] if len(leaf) else None
-    found = LIST.fullmatch(leaf)
-    return (found["item"] or found["each"]) if found is not None else None
+    return field_type(leaf).name
 
 
 def _wanted_message(leaf: Mapping[str, Any], value: SentValue) -> str:

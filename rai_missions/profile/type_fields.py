@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 from typing import Any, Literal
 
+from rai_missions.connectors.field_types import is_list_type
+
 __all__ = ("MANY", "FieldsOf", "TypePart", "inside", "is_list", "lack")
 
 MANY = 20
@@ -52,7 +54,7 @@ def inside(there: Any, path: str) -> Any:
 def is_list(there: Any) -> bool:
     """A list, or the name of a type of lists: `sequence<double>`, `double[36]`."""
     if isinstance(there, str):
-        return there.startswith("sequence<") or there.endswith("]")
+        return is_list_type(there)
     return isinstance(there, list | tuple)
 
 

@@ -141,3 +141,9 @@ def test_a_type_that_a_profile_leaves_out_is_reported_with_its_place() -> None:
         "/events/bell/type: the type of the message is missing; one looks like 'std_msgs/msg/String'",
         "/actions/ride/type: the type of the action is missing; one looks like 'nav2_msgs/action/NavigateToPose'",
     ]
+
+
+def test_an_item_of_a_list_of_bounded_texts_is_a_text() -> None:
+    fields = {"words": "sequence<string<10>, 3>"}
+    assert misfit(fields, "words", sent_value(["on"], {})) == ""
+    assert "each of whose items is a text" in misfit(fields, "words", sent_value([1], {}))

@@ -16,9 +16,10 @@ from functools import cache
 from typing import Any
 
 from rai_missions.connectors.connector import Data
+from rai_missions.connectors.field_types import INTEGERS, FieldType, field_type
 from rai_missions.connectors.ros2.images import PICTURES, check_picture, message_of_picture
 from rai_missions.connectors.ros2.names import find_type
-from rai_missions.connectors.ros2.types import BYTES, CODES, INTEGERS, NO_FIELD, FieldType, field_type
+from rai_missions.connectors.ros2.types import BYTES, CODES, NO_FIELD
 from rai_missions.errors import ConnectorError, suggestion
 from rai_missions.image import Image
 from rai_missions.plain_data import text_fault

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rai_missions.connectors.field_types import FieldType, field_type
 from rai_missions.connectors.ros2.messages import goal_id_from_bytes, goal_id_to_bytes, to_data, to_message
 from rai_missions.connectors.ros2.names import find_type
-from rai_missions.connectors.ros2.types import FieldType, field_type
 from rai_missions.errors import ConnectorError
 from rai_missions.image import Image
 from rai_missions.profile import plain
