@@ -124,13 +124,14 @@ def meant_file(path: str | os.PathLike[str], *endings: str) -> str:
     folder, name = os.path.split(path)
     is_folder = os.path.isdir(path)
     try:
-        names = [each for each in os.listdir(path if is_folder else folder or ".") if each.endswith(endings)]
+        found = os.listdir(path if is_folder else folder or ".")
     except (OSError, ValueError):  # no such folder, closed, or a name that no file can have
         return ""
+    names = [each for each in found if each.endswith(endings) and each.isprintable()]
     if is_folder:
         return suggestion("", names)
     close = nearest(name, names)
-    return f"; did you mean '{os.path.join(folder, close)}'?" if close else ""
+    return f"; did you mean {os.path.join(folder, close)!r}?" if close else ""
 
 
 def without_marks(text: str) -> str:

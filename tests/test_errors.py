@@ -102,5 +102,16 @@ def test_a_folder_is_answered_with_the_files_in_it(tmp_path: Path, monkeypatch: 
     assert meant_file("a.jsn", ".json") == "; did you mean 'a.json'?"
 
 
+def test_a_file_whose_name_cannot_be_shown_is_not_meant(tmp_path: Path) -> None:
+    (tmp_path / "a\x1b[2Jb.json").touch()
+    (tmp_path / "a b.json").touch()
+    assert meant_file(tmp_path, ".json") == "; there is: a b.json"
+    assert meant_file(tmp_path / "a\x1b[2Jb.jso", ".json") == f"; did you mean '{tmp_path}/a b.json'?"
+    folder = tmp_path / "c\n"
+    folder.mkdir()
+    (folder / "d.json").touch()
+    assert "\n" not in meant_file(folder / "d.jso", ".json")
+
+
 def test_letters_with_marks_are_plain_ones() -> None:
     assert without_marks("Größe ÉTÉ Łódź") == "grosse ete łodz"
