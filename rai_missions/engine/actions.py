@@ -12,7 +12,7 @@ from functools import partial
 from typing import Any
 
 from rai_missions.engine.blackboard import known, note_news, write_key
-from rai_missions.engine.nodes import Act, WriteAct, Written
+from rai_missions.engine.compiled_states import Act, WriteAct, Written
 from rai_missions.engine.program import Program
 from rai_missions.engine.state import RunState, Trigger
 from rai_missions.engine.step import CallService, LogLine, PublishMessage, SayAloud

@@ -15,9 +15,9 @@ from typing import Any
 from rai_missions.engine import short_way, snapshot
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.chart_view import ChartView
+from rai_missions.engine.compiled_states import Written
 from rai_missions.engine.configuration import Configuration
 from rai_missions.engine.handover import settle_holds
-from rai_missions.engine.nodes import Written
 from rai_missions.engine.program import Named, Program
 from rai_missions.engine.robot_facts import RobotFacts, check_facts
 from rai_missions.engine.short_way import BEFORE

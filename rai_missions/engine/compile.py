@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from rai_missions.engine.compiled_states import Act, CompiledGuard, CompiledState, CompiledTransition, Content
 from rai_missions.engine.configuration import Configuration
-from rai_missions.engine.nodes import Act, CompiledGuard, CompiledTransition, Content, Node
 from rai_missions.errors import UsageError, escaped
 from rai_missions.guards.guard import Guard
 from rai_missions.guards.view import Site, Truth
@@ -33,9 +33,9 @@ class CompiledMission:
 
     def __init__(self, mission: Mission, content: Content) -> None:
         self.mission = mission
-        self.root = Node("", "", None, None, 0)
-        self.nodes: dict[str, Node] = {}
-        self.order: list[Node] = [self.root]
+        self.root = CompiledState("", "", None, None, 0)
+        self.nodes: dict[str, CompiledState] = {}
+        self.order: list[CompiledState] = [self.root]
         self.transitions: dict[str, CompiledTransition] = {}
         """JSON pointer → transition."""
         self.named: set[str] = set()
@@ -64,9 +64,9 @@ class CompiledMission:
         self._configurations: dict[tuple[int, ...], Configuration] = {}
         self.empty = Configuration((), self.root)
 
-    def _add(self, states: Mapping[str, State], parent: Node, place: str) -> None:
+    def _add(self, states: Mapping[str, State], parent: CompiledState, place: str) -> None:
         for name, state in states.items():
-            node = Node(name, f"{place}/{escaped(name)}", state, parent, len(self.order))
+            node = CompiledState(name, f"{place}/{escaped(name)}", state, parent, len(self.order))
             self.order.append(node)
             self.nodes[name] = node
             (parent.history if node.is_history else parent.children).append(node)
@@ -101,7 +101,7 @@ class CompiledMission:
             UsageError: One leads back to itself.
         """
         for node in self.order:
-            seen, todo = set[Node](), [node] if node.is_history else []
+            seen, todo = set[CompiledState](), [node] if node.is_history else []
             while todo:
                 for each in todo.pop().initial:
                     if each is node:
@@ -112,7 +112,7 @@ class CompiledMission:
                     todo += [each] if each.is_history and each not in seen else []
                     seen.add(each)
 
-    def _transitions(self, node: Node, transitions: Iterable[Transition]) -> None:
+    def _transitions(self, node: CompiledState, transitions: Iterable[Transition]) -> None:
         for index, definition in enumerate(transitions):
             transition = CompiledTransition(definition, f"{node.place}/transitions/{index}", node)
             transition.targets = tuple([self.nodes[name] for name in definition.to])
@@ -129,7 +129,7 @@ class CompiledMission:
             self.transitions[transition.place] = transition
             node.timed = node.timed or definition.after_s is not None
 
-    def _acts(self, effects: Iterable[Effect], place: str, node: Node) -> tuple[Act, ...]:
+    def _acts(self, effects: Iterable[Effect], place: str, node: CompiledState) -> tuple[Act, ...]:
         return tuple(
             [self._content.effect(effect, f"{place}/{index}", node.name) for index, effect in enumerate(effects)]
         )
@@ -152,7 +152,7 @@ class CompiledMission:
             place, guard, test, frozenset(site.reads), site.watched, tuple(site.instants), dict(site.holds)
         )
 
-    def configuration(self, atomic: Iterable[Node]) -> Configuration:
+    def configuration(self, atomic: Iterable[CompiledState]) -> Configuration:
         """The one `Configuration` of these innermost states."""
         nodes = tuple(sorted(atomic, key=lambda node: node.index))
         key = tuple(node.index for node in nodes)
@@ -166,7 +166,7 @@ class CompiledMission:
         return found
 
 
-def _leads(node: Node) -> Iterable[str]:
+def _leads(node: CompiledState) -> Iterable[str]:
     """What entering a state by default leads to: its `initial`; of a history its default, or its parent's `initial`."""
     if isinstance(node.state, History) and node.state.default:
         return node.state.default

@@ -10,8 +10,8 @@ from typing import Any
 from rai_missions.engine.activities import goal_ledger
 from rai_missions.engine.activities.activity import Outcome
 from rai_missions.engine.blackboard import write_key
+from rai_missions.engine.compiled_states import CompiledGuard, CompiledState
 from rai_missions.engine.hold import is_held
-from rai_missions.engine.nodes import CompiledGuard, Node
 from rai_missions.engine.program import Program
 from rai_missions.engine.running import cancel_goals, leave_activity, outcome_of
 from rai_missions.engine.state import RunState, Trigger
@@ -29,7 +29,7 @@ __all__ = (
 )  # fmt: skip
 
 
-def has_reported(state: RunState, node: Node) -> bool:
+def has_reported(state: RunState, node: CompiledState) -> bool:
     """Whether a state that was not left since has an outcome that is yet to be answered in this step."""
     return any(trigger.source is node and not trigger.is_late for trigger in state.draft.internal)
 
@@ -37,7 +37,7 @@ def has_reported(state: RunState, node: Node) -> bool:
 # -- lists ------------------------------------------------------------------------------------------------------------
 
 
-def enter_each(program: Program, state: RunState, node: Node, history: Node | None) -> None:
+def enter_each(program: Program, state: RunState, node: CompiledState, history: CompiledState | None) -> None:
     """Copy the list of an `each`; its first item is current from here on.
 
     A history that leads back into it leads back to the items and the item that were current when it was left.
@@ -57,21 +57,21 @@ def enter_each(program: Program, state: RunState, node: Node, history: Node | No
         set_item(program, state, node, value[0])
 
 
-def current_round(state: RunState, node: Node) -> tuple[tuple[Any, ...], int]:
+def current_round(state: RunState, node: CompiledState) -> tuple[tuple[Any, ...], int]:
     """The items of an `each`, and which of them its active states are about: that of a final is not over yet."""
     items, index = state.rounds[node.name]
     finals = (final for final in _reached(state, node) if final.name not in state.settling)
     return items, index - any(_counted(state, final) == "succeeded" for final in finals)
 
 
-def is_current(state: RunState, node: Node, item: Any) -> bool:
+def is_current(state: RunState, node: CompiledState, item: Any) -> bool:
     """Whether the key of an `each` has this very item."""
     assert isinstance(node.state, Each)
     entry = state.board.get(node.state.item)
     return entry is not None and entry.value is item
 
 
-def set_item(program: Program, state: RunState, node: Node, item: Any) -> bool:
+def set_item(program: Program, state: RunState, node: CompiledState, item: Any) -> bool:
     """Make an item the current one. One that does not fit its key ends the `each`: its round would use another."""
     assert isinstance(node.state, Each)
     key = program.keys.get(node.state.item)
@@ -88,7 +88,7 @@ def set_item(program: Program, state: RunState, node: Node, item: Any) -> bool:
 # -- finals -----------------------------------------------------------------------------------------------------------
 
 
-def reach_final(program: Program, state: RunState, node: Node, complete: tuple[Node, ...]) -> None:
+def reach_final(program: Program, state: RunState, node: CompiledState, complete: tuple[CompiledState, ...]) -> None:
     """A final was entered: at the top it ends the mission, else its parent, and parallel states with it."""
     parent = node.parent
     assert parent is not None and isinstance(node.state, Final)
@@ -106,14 +106,16 @@ def reach_final(program: Program, state: RunState, node: Node, complete: tuple[N
     _finish(state, node, node.state.final, complete)
 
 
-def _finish_unmet(program: Program, state: RunState, node: Node, complete: tuple[Node, ...]) -> None:
+def _finish_unmet(program: Program, state: RunState, node: CompiledState, complete: tuple[CompiledState, ...]) -> None:
     """The `requires` of a final did not become true in time."""
     assert node.requires is not None
     state.unmet[node.name] = math.inf
     _finish(state, node, "unverified", complete, why=_falls_short(program, state, node.requires))
 
 
-def _finish(state: RunState, final: Node, outcome: str, complete: tuple[Node, ...], why: str = "") -> None:
+def _finish(
+    state: RunState, final: CompiledState, outcome: str, complete: tuple[CompiledState, ...], why: str = ""
+) -> None:
     internal, parent = state.draft.internal, final.parent
     assert parent is not None
     if parent.is_parallel:  # the final is a region
@@ -131,7 +133,7 @@ def _finish(state: RunState, final: Node, outcome: str, complete: tuple[Node, ..
     complete_parallels(state, complete)
 
 
-def complete_parallels(state: RunState, complete: Iterable[Node]) -> None:
+def complete_parallels(state: RunState, complete: Iterable[CompiledState]) -> None:
     """Parallel states whose regions have all ended report the worst of their outcomes, the inner first.
 
     Args:
@@ -148,7 +150,7 @@ def complete_parallels(state: RunState, complete: Iterable[Node]) -> None:
         state.draft.internal.append(done._replace(climbs=not outer))
 
 
-def _has_ended(state: RunState, region: Node) -> bool:
+def _has_ended(state: RunState, region: CompiledState) -> bool:
     """Whether a region has come to its end: a final that waits for its `requires` is none, nor one of a round."""
     if region.is_parallel:
         return all(_has_ended(state, child) for child in region.children)
@@ -163,18 +165,18 @@ def _has_ended(state: RunState, region: Node) -> bool:
     return bool(reached)
 
 
-def _reached(state: RunState, region: Node) -> Iterator[Node]:
+def _reached(state: RunState, region: CompiledState) -> Iterator[CompiledState]:
     """The final of a region that is active, or the region where it is one."""
     return (each for each in (region, *region.children) if each.is_final and each in state.config.nodes)
 
 
-def _finals(state: RunState, parallel: Node) -> Iterator[Node]:
+def _finals(state: RunState, parallel: CompiledState) -> Iterator[CompiledState]:
     """The active finals of the regions of a parallel state, and of those that are in it."""
     for region in parallel.children:
         yield from _finals(state, region) if region.is_parallel else _reached(state, region)
 
 
-def _counted(state: RunState, final: Node) -> str:
+def _counted(state: RunState, final: CompiledState) -> str:
     """The outcome that a final has brought."""
     assert isinstance(final.state, Final)
     return "unverified" if final.name in state.unmet else final.state.final

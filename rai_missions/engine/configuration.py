@@ -8,7 +8,7 @@ from collections.abc import Callable
 from operator import attrgetter
 from typing import Any
 
-from rai_missions.engine.nodes import Act, CompiledTransition, Node, Write, WriteAct
+from rai_missions.engine.compiled_states import Act, CompiledState, CompiledTransition, Write, WriteAct
 from rai_missions.engine.step import Move
 from rai_missions.guards.view import Test, Truth
 from rai_missions.states.transition import ANY_EVENT
@@ -33,11 +33,11 @@ class CompiledStep:
         only = acts[0] if len(acts) == 1 else None
         self.write: Write | None = only.write if isinstance(only, WriteAct) else None
         """Does what `acts` do, where that is one write and no one listens to keys."""
-        self.exited: tuple[Node, ...] = ()
-        self.entered: tuple[Node, ...] = ()
-        self.remember: tuple[tuple[int, tuple[Node, ...]], ...] = ()
+        self.exited: tuple[CompiledState, ...] = ()
+        self.entered: tuple[CompiledState, ...] = ()
+        self.remember: tuple[tuple[int, tuple[CompiledState, ...]], ...] = ()
         """History state and what it leads back to from now on."""
-        self.lists: tuple[tuple[Node, Node], ...] = ()
+        self.lists: tuple[tuple[CompiledState, CompiledState], ...] = ()
         """History state and each `each` that it leads back into from now on."""
         self.shifts: frozenset[str] = frozenset()
         """The states that it makes active or inactive, by their `presence`."""
@@ -59,23 +59,11 @@ class Configuration:
     """A set of active states, and what can happen in it."""
 
     __slots__ = (
-        "active",
-        "atomic",
-        "controls",
-        "direct",
-        "eventless",
-        "holds",
-        "instants",
-        "key",
-        "leaps",
-        "nodes",
-        "order",
-        "plans",
-        "reads",
-        "watchful",
-    )
+        "active", "atomic", "controls", "direct", "eventless", "holds", "instants", "key", "leaps", "nodes", "order",
+        "plans", "reads", "watchful",
+    )  # fmt: skip
 
-    def __init__(self, atomic: tuple[Node, ...], root: Node) -> None:
+    def __init__(self, atomic: tuple[CompiledState, ...], root: CompiledState) -> None:
         self.atomic = atomic
         """The innermost active states, in document order."""
         self.key = tuple(node.index for node in atomic)
@@ -122,7 +110,9 @@ class Configuration:
         found = [_chain(node, event, declared=declared) for node in self.atomic]
         return tuple([chain for chain in found if chain])
 
-    def outcome_plan(self, source: Node, outcome: str, *, option: bool, climbs: bool, is_late: bool = False) -> Plan:
+    def outcome_plan(
+        self, source: CompiledState, outcome: str, *, option: bool, climbs: bool, is_late: bool = False
+    ) -> Plan:
         """The transitions for an outcome: those of its own state, of its ancestors if it climbs, or that name it.
 
         Once its state was left, only those that name it: they wait for the event, as in SCXML, and not on the state.
@@ -140,7 +130,7 @@ class Configuration:
         return self._candidates(wanted)
 
 
-def inside(nodes: tuple[Node, ...], domain: Node | None) -> tuple[Node, ...]:
+def inside(nodes: tuple[CompiledState, ...], domain: CompiledState | None) -> tuple[CompiledState, ...]:
     """Those of some states in document order that are inside another; none are inside none."""
     if domain is None:
         return ()
@@ -148,7 +138,7 @@ def inside(nodes: tuple[Node, ...], domain: Node | None) -> tuple[Node, ...]:
     return nodes[first:end]
 
 
-def _chain(node: Node, event: str | None, *, declared: bool) -> tuple[CompiledTransition, ...]:
+def _chain(node: CompiledState, event: str | None, *, declared: bool) -> tuple[CompiledTransition, ...]:
     """What an event, or no event, may fire of a state's transitions and its ancestors', innermost first."""
     found = node.chains.get(event)
     if found is None:

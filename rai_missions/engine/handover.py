@@ -6,9 +6,9 @@ from __future__ import annotations
 import math
 from collections.abc import Container
 
+from rai_missions.engine.compiled_states import CompiledState
 from rai_missions.engine.hold import held_by, held_controls, holder_of, is_held, run_at
 from rai_missions.engine.macrostep import complete
-from rai_missions.engine.nodes import Node
 from rai_missions.engine.program import Program
 from rai_missions.engine.reports import handle_late
 from rai_missions.engine.running import begin, leave_activity, request_control
@@ -62,7 +62,7 @@ def _change_hands(program: Program, state: RunState) -> None:
             handle_late(program, state, event)
 
 
-def _is_lost(state: RunState, node: Node, waiting: Container[str]) -> bool:
+def _is_lost(state: RunState, node: CompiledState, waiting: Container[str]) -> bool:
     """What runs there has lost control, and neither waits for the hand-back nor continues by it."""
     return node.control is not None and node.control != state.holder and node.control not in waiting
 
@@ -97,12 +97,12 @@ def _freeze(program: Program, state: RunState, controls: frozenset[str]) -> None
     state.laid_by = tuple(sorted({*state.laid_by, *laid}, key=lambda name: nodes[name].index))
 
 
-def is_kept(program: Program, node: Node) -> bool:
+def is_kept(program: Program, node: CompiledState) -> bool:
     """Whether a profile lists under `keep` what a state does: a pause and a handover leave it as it is."""
     return getattr(node.state, "action", None) in program.facts.keep
 
 
-def lay_down(program: Program, state: RunState, node: Node, *, keeps: bool = True) -> bool:
+def lay_down(program: Program, state: RunState, node: CompiledState, *, keeps: bool = True) -> bool:
     """End what may move the robot, and is to start again later.
 
     Args:

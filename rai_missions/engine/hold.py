@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from rai_missions.engine.activities.activity import Machine
+from rai_missions.engine.compiled_states import CompiledState
 from rai_missions.engine.configuration import Plan
-from rai_missions.engine.nodes import Node
 from rai_missions.engine.program import Program
 from rai_missions.engine.state import RunState
 from rai_missions.states.control import Holder
@@ -40,7 +40,7 @@ def held_controls(program: Program, state: RunState) -> frozenset[str]:
     return program.graph.controls - {by} if by else frozenset()
 
 
-def is_held(state: RunState, node: Node) -> bool:
+def is_held(state: RunState, node: CompiledState) -> bool:
     """Whether a state waits until the operator gives control back."""
     return node.control in state.frozen
 

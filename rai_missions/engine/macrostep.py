@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.engine.activities.activity import Outcome
+from rai_missions.engine.compiled_states import CompiledState, CompiledTransition
 from rai_missions.engine.completion import (
     check_invariants,
     complete_parallels,
@@ -24,7 +25,6 @@ from rai_missions.engine.completion import (
 )
 from rai_missions.engine.configuration import CompiledStep, Plan
 from rai_missions.engine.hold import free, is_held
-from rai_missions.engine.nodes import CompiledTransition, Node
 from rai_missions.engine.program import Program
 from rai_missions.engine.running import begin_starting, leave_activity, outcome_of, poll
 from rai_missions.engine.state import RunState, StepDraft, Trigger
@@ -160,7 +160,7 @@ def _answer(program: Program, state: RunState, trigger: Trigger) -> None:
         state.draft.notes.append(f"no row took '{trigger.name}'")
 
 
-def _unanswered(program: Program, state: RunState, trigger: Trigger, source: Node) -> None:
+def _unanswered(program: Program, state: RunState, trigger: Trigger, source: CompiledState) -> None:
     """An outcome that no transition handles: unless it is a success, it is the mission's failure."""
     if trigger.is_late:
         state.draft.notes.append(f"'{trigger.name}' of '{source.name}' came to nothing: the state had been left")
@@ -203,7 +203,7 @@ def _remember(state: RunState, step: CompiledStep) -> None:
         state.lists[history.name, node.name] = current_round(state, node)
 
 
-def _exit(program: Program, state: RunState, node: Node) -> None:
+def _exit(program: Program, state: RunState, node: CompiledState) -> None:
     if node.timed:
         state.timers.pop(("timeout", node.name), None)
         for transition in node.transitions:
@@ -221,14 +221,14 @@ def _exit(program: Program, state: RunState, node: Node) -> None:
         _resume_last_round(state, node.parent)
 
 
-def _resume_last_round(state: RunState, each: Node) -> None:
+def _resume_last_round(state: RunState, each: CompiledState) -> None:
     """Where a list stays active and the final of its last round is left, what follows is about the last item again."""
     items, index = state.rounds[each.name]
     if items and index == len(items):
         state.rounds[each.name] = items, index - 1
 
 
-def _outdate(state: RunState, exited: tuple[Node, ...]) -> None:
+def _outdate(state: RunState, exited: tuple[CompiledState, ...]) -> None:
     """What states that are left have reported, and no transition has answered, is late; they begin nothing more."""
     draft, left = state.draft, {node.name for node in exited}
     draft.starting = [node for node in draft.starting if node.name not in left]
@@ -242,7 +242,7 @@ def _outdate(state: RunState, exited: tuple[Node, ...]) -> None:
             draft.internal.append(trigger._replace(is_late=True))
 
 
-def _forget_waiting(state: RunState, node: Node) -> None:
+def _forget_waiting(state: RunState, node: CompiledState) -> None:
     """What a state that is left waited for makes no difference any more."""
     name = node.name
     if state.pending.pop(name, math.inf) < math.inf:
@@ -255,7 +255,7 @@ def _forget_waiting(state: RunState, node: Node) -> None:
         state.draft.round_bounds[name] = math.inf
 
 
-def _enter(program: Program, state: RunState, node: Node) -> None:
+def _enter(program: Program, state: RunState, node: CompiledState) -> None:
     """Become active; a plain step (`CompiledStep.plain`) of the short way in `Chart.send` does without this."""
     if node.control is not None:
         program.surroundings.before_entry(state, node)
@@ -271,7 +271,7 @@ def _enter(program: Program, state: RunState, node: Node) -> None:
         _end_list(program, state, node)
 
 
-def _set_timers(state: RunState, node: Node) -> None:
+def _set_timers(state: RunState, node: CompiledState) -> None:
     """Start what a state, or the mission, waits for from its entry on."""
     if node.state is not None and node.state.timeout_s is not None:
         limit_s = node.state.timeout_s
@@ -281,7 +281,7 @@ def _set_timers(state: RunState, node: Node) -> None:
             set_timer(state, ("after", transition.place), transition.definition.after_s, "after_s", None, node.control)
 
 
-def _next_round(program: Program, state: RunState, node: Node, *, is_entry: bool = False) -> None:
+def _next_round(program: Program, state: RunState, node: CompiledState, *, is_entry: bool = False) -> None:
     """Make the next item of a list the current one; after the last one the `each` succeeds.
 
     On entry the item is current already, unless an effect of that entry has written its key.
@@ -296,14 +296,14 @@ def _next_round(program: Program, state: RunState, node: Node, *, is_entry: bool
         _end_list(program, state, node)
 
 
-def _end_list(program: Program, state: RunState, node: Node) -> None:
+def _end_list(program: Program, state: RunState, node: CompiledState) -> None:
     """A list has no further item: its `each` succeeds, unless it has reported something else."""
     if not has_reported(state, node):
         state.draft.internal.append(outcome_of(node, Outcome("succeeded")))
         complete_parallels(state, tuple(program.graph.complete(node.parent, state.config.nodes)))
 
 
-def _pass_round(program: Program, draft: StepDraft, node: Node) -> None:
+def _pass_round(program: Program, draft: StepDraft, node: CompiledState) -> None:
     """Let the limits of a step count for each round of a list alone: it has an end, however long.
 
     They do for one visit to the list in a macrostep, so that a cycle of transitions round a list ends.

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from rai_missions.engine.activities.activity import Machine
 from rai_missions.engine.activities.factory import Bench, machine_of
 from rai_missions.engine.activities.ticker import Trees
-from rai_missions.engine.nodes import CompiledGuard, Content, Node
+from rai_missions.engine.compiled_states import CompiledGuard, CompiledState, Content
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.surroundings import Surroundings
 from rai_missions.engine.transitions import Graph
@@ -74,7 +74,7 @@ class Program:
         self.invariants: tuple[tuple[str, CompiledGuard], ...] = tuple(self.graph.invariants.items())
         self.always_held = {memory: test for _, each in self.invariants for memory, test in each.holds.items()}
 
-    def machine(self, node: Node) -> Machine | None:
+    def machine(self, node: CompiledState) -> Machine | None:
         """The machine of a state's activity; None for a state that runs nothing."""
         if node.name not in self.machines:
             assert node.state is not None

@@ -12,9 +12,9 @@ from rai_missions.engine.activities.activity import GOALS, NO_KEYS, Outcome, Tur
 from rai_missions.engine.activities.tree import TreeMachine, limit_of
 from rai_missions.engine.activities.tree_rounds import Rounds
 from rai_missions.engine.blackboard import write_key
+from rai_missions.engine.compiled_states import CompiledState
 from rai_missions.engine.hold import awake, holder_of, is_held, live
 from rai_missions.engine.listening import RunningTree, WatchedNames
-from rai_missions.engine.nodes import Node
 from rai_missions.engine.program import Program
 from rai_missions.engine.state import RunState, Trigger
 from rai_missions.engine.step import CancelGoal, Handover
@@ -65,7 +65,7 @@ class Host:
         return rounds[owner]
 
 
-def outcome_of(node: Node, outcome: Outcome) -> Trigger:
+def outcome_of(node: CompiledState, outcome: Outcome) -> Trigger:
     """The trigger by which a state reports an outcome."""
     return Trigger(outcome.name, outcome.data, node, why=outcome.why)
 
@@ -88,7 +88,7 @@ def begin_starting(program: Program, state: RunState) -> None:
             begin(program, state, node)
 
 
-def request_control(state: RunState, node: Node) -> None:
+def request_control(state: RunState, node: CompiledState) -> None:
     """Ask for the control that a state needs; it waits for its `handover_s`."""
     assert node.state is not None and node.control is not None
     state.asked, request = node.control, Handover(node.control)
@@ -107,7 +107,7 @@ def take_back(program: Program, state: RunState) -> None:
             state.draft.effects.append(Handover(holder))
 
 
-def begin(program: Program, state: RunState, node: Node) -> None:
+def begin(program: Program, state: RunState, node: CompiledState) -> None:
     """Start a state's activity."""
     machine = program.machine(node) if node.activity else None
     if machine is not None:
@@ -116,7 +116,7 @@ def begin(program: Program, state: RunState, node: Node) -> None:
         take_turn(program, state, node.name, turn)
 
 
-def leave_activity(program: Program, state: RunState, node: Node) -> None:
+def leave_activity(program: Program, state: RunState, node: CompiledState) -> None:
     """End what a state runs."""
     activity = state.running.pop(node.name, None)
     machine = program.machines.get(node.name)

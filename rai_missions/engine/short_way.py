@@ -13,11 +13,11 @@ from rai_missions.engine.activities.activity import NO_KEYS
 from rai_missions.engine.activities.ticker import TickResult
 from rai_missions.engine.activities.tree import acted
 from rai_missions.engine.blackboard import is_other, value_at
+from rai_missions.engine.compiled_states import Written
 from rai_missions.engine.configuration import CompiledStep, Looked
 from rai_missions.engine.decision import with_verdicts
 from rai_missions.engine.listening import RunningTree, WatchedNames
 from rai_missions.engine.macrostep import complete, enabled
-from rai_missions.engine.nodes import Written
 from rai_missions.engine.program import Program
 from rai_missions.engine.running import Host, take_turn
 from rai_missions.engine.state import RunState, StepDraft

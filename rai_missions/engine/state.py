@@ -18,10 +18,10 @@ from typing import Any, Literal, NamedTuple, get_args
 
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree_rounds import Rounds
+from rai_missions.engine.compiled_states import CompiledState, CompiledTransition
 from rai_missions.engine.configuration import Configuration
 from rai_missions.engine.decision import VerdictNote
 from rai_missions.engine.modes import Mode, RunMode, mode_of
-from rai_missions.engine.nodes import CompiledTransition, Node
 from rai_missions.engine.step import Cause, Move, Refusal
 from rai_missions.event import Event
 from rai_missions.guards.view import Truth
@@ -122,7 +122,7 @@ class Trigger(NamedTuple):
 
     name: str
     data: Mapping[str, Any]
-    source: Node | None = None
+    source: CompiledState | None = None
     """The state whose outcome it is; None for an event."""
     climbs: bool = True
     """Whether it is tried on the ancestors of its source."""
@@ -163,7 +163,7 @@ class StepDraft:
     tree_rounds: dict[str, Rounds] = field(default_factory=dict)
     """State → what its tree has done since the event, or the instant, in hand."""
     internal: deque[Trigger] = field(default_factory=deque)
-    starting: list[Node] = field(default_factory=list)
+    starting: list[CompiledState] = field(default_factory=list)
     given_up: set[str | None] = field(default_factory=set)
     """Who was to be given control for something that was left before it came."""
     refusal: Refusal = ""
@@ -244,7 +244,7 @@ class RunState:
     """What came meanwhile for held states, in order."""
     # -- what is active, and what runs
     config: Configuration = slot(None, "configuration", "atomic")
-    final: Node | None = slot(None, "state")
+    final: CompiledState | None = slot(None, "state")
     """The top-level final that was reached and does not count yet."""
     running: dict[str, Any] = slot(dict, "activities", "_running")
     pending: dict[str, float] = slot(dict, "deadlines", "_pending")
@@ -257,7 +257,7 @@ class RunState:
     goals: dict[int, Goal] = slot(dict, "goals")
     """All goals whose end is not confirmed."""
     calls: dict[int, str] = slot(dict, "calls", "_calls")
-    memory: dict[int, tuple[Node, ...]] = slot(dict, "memory")
+    memory: dict[int, tuple[CompiledState, ...]] = slot(dict, "memory")
     lists: dict[tuple[str, str], tuple[tuple[Any, ...], int]] = slot(dict, "lists")
     order: int = slot(0, "number", "_order")
     """Of the timer that was set last."""

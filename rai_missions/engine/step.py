@@ -39,7 +39,6 @@ class StartGoal(NamedTuple):
     goal: Mapping[str, Any]
 
     def describe(self) -> str:
-        """The effect in words."""
         return f"start {self.action}{_sent(self.goal)} for {self.owner} (number {self.number})"
 
 
@@ -50,7 +49,6 @@ class CancelGoal(NamedTuple):
     action: str
 
     def describe(self) -> str:
-        """The effect in words."""
         return f"cancel {self.action} (number {self.number})"
 
 
@@ -65,7 +63,6 @@ class CallService(NamedTuple):
     timeout_s: float | None = None
 
     def describe(self) -> str:
-        """The effect in words."""
         return f"call {self.service}{_sent(self.request)} (number {self.number})"
 
 
@@ -76,7 +73,6 @@ class PublishMessage(NamedTuple):
     message: Mapping[str, Any]
 
     def describe(self) -> str:
-        """The effect in words."""
         return f"publish {self.topic}{_sent(self.message)}"
 
 
@@ -86,7 +82,6 @@ class SayAloud(NamedTuple):
     text: str
 
     def describe(self) -> str:
-        """The effect in words."""
         return f"say “{self.text}”"
 
 
@@ -96,7 +91,6 @@ class LogLine(NamedTuple):
     text: str
 
     def describe(self) -> str:
-        """The effect in words."""
         return f"log “{self.text}”"
 
 
@@ -106,7 +100,6 @@ class Ask(NamedTuple):
     question: Question
 
     def describe(self) -> str:
-        """The effect in words."""
         return f"ask {answerer_words(self.question.asked)} (question {self.question.number})"
 
 
@@ -116,7 +109,6 @@ class Withdraw(NamedTuple):
     number: int
 
     def describe(self) -> str:
-        """The effect in words."""
         return f"withdraw question {self.number}"
 
 
@@ -126,7 +118,6 @@ class Handover(NamedTuple):
     to: str
 
     def describe(self) -> str:
-        """The effect in words."""
         return f"ask for control to go to {CONTROLLERS.get(self.to, self.to)}"
 
 
@@ -138,7 +129,6 @@ class StartBehaviour(NamedTuple):
     """`state#path` of its leaf."""
 
     def describe(self) -> str:
-        """The effect in words."""
         return f"tick the behaviour of {self.owner} (number {self.number})"
 
 
@@ -148,7 +138,6 @@ class StopBehaviour(NamedTuple):
     number: int
 
     def describe(self) -> str:
-        """The effect in words."""
         return f"stop the behaviour (number {self.number})"
 
 
@@ -165,7 +154,7 @@ Effect = (
     | StartBehaviour
     | StopBehaviour
 )
-"""What the performer is to do."""
+"""What the performer is to do; `describe` has it in words."""
 
 Refusal = Literal["", "not_started", "ended", "stale", "unknown", "unfit", "mode"]
 """Why an event changed nothing: the mission has not started, or has ended; nothing waits for the number any more; there

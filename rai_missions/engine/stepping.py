@@ -13,12 +13,12 @@ from rai_missions.engine.actions import act_of
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.blackboard import ask_named
 from rai_missions.engine.commands import resync
+from rai_missions.engine.compiled_states import Act, CompiledState, Content
 from rai_missions.engine.completion import enter_each, reach_final
 from rai_missions.engine.decision import stale_verdict, with_verdicts
 from rai_missions.engine.events import handle, handle_before_start
 from rai_missions.engine.hold import held_controls
 from rai_missions.engine.macrostep import complete, jump
-from rai_missions.engine.nodes import Act, Content, Node
 from rai_missions.engine.program import Named, Program
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.running import resting, take_back
@@ -51,7 +51,7 @@ def compiled(
     """
     keys, has_trees = mission.blackboard, any(state.root() is not None for _, _, state in mission.walk())
 
-    def reaching(node: Node, complete: tuple[Node, ...]) -> Act:
+    def reaching(node: CompiledState, complete: tuple[CompiledState, ...]) -> Act:
         return lambda program, state: reach_final(program, state, node, complete)
 
     content = Content(

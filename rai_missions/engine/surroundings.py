@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from rai_missions.engine.activities.activity import Machine
-from rai_missions.engine.nodes import Node
+from rai_missions.engine.compiled_states import CompiledState
 from rai_missions.event import Event
 from rai_missions.guards.view import Truth
 from rai_missions.states.control import Holder
@@ -34,7 +34,7 @@ class Surroundings:
         """Who has control, where that was left open until a rule looks."""
         raise LookupError("who has control is open only in a proof")
 
-    def machine(self, node: Node, machine: Machine) -> Machine:
+    def machine(self, node: CompiledState, machine: Machine) -> Machine:
         """The machine of a state's activity, as it is to be used."""
         return machine
 
@@ -42,10 +42,10 @@ class Surroundings:
         """A microstep is about to be made; False where the macrostep goes round for ever and is to be ended."""
         return True
 
-    def before_entry(self, state: RunState, node: Node) -> None:
+    def before_entry(self, state: RunState, node: CompiledState) -> None:
         """A state is about to be entered."""
 
-    def before_round(self, state: RunState, node: Node) -> None:
+    def before_round(self, state: RunState, node: CompiledState) -> None:
         """The next round of an `each` is about to begin, or its end to be reported."""
 
     def waits(self, state: RunState, event: Event, waiting: tuple[Event, ...]) -> bool:

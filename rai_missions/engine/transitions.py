@@ -11,8 +11,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rai_missions.engine.compile import CompiledMission
+from rai_missions.engine.compiled_states import Act, CompiledState, CompiledTransition, Memory
 from rai_missions.engine.configuration import CompiledStep, Configuration, inside
-from rai_missions.engine.nodes import Act, CompiledTransition, Memory, Node
 from rai_missions.engine.step import Move
 from rai_missions.guards.view import presence
 from rai_missions.states.history import History
@@ -20,17 +20,17 @@ from rai_missions.states.history import History
 __all__ = ("EnteredStates", "Graph", "is_done")
 
 
-class EnteredStates(set[Node]):
+class EnteredStates(set[CompiledState]):
     """The states that a move enters."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.recalled: dict[Node, Node] = {}
+        self.recalled: dict[CompiledState, CompiledState] = {}
         """`each` → the history that leads back into it."""
-        self.around = set[Node]()
+        self.around = set[CompiledState]()
         """What these states are inside of."""
 
-    def add(self, node: Node) -> None:
+    def add(self, node: CompiledState) -> None:
         super().add(node)
         for each in node.ancestors:
             if each in self.around:
@@ -49,8 +49,8 @@ class Graph(CompiledMission):
         """The transitions that can be taken together: a descendant's preempts an ancestor's, then document order."""
         if len(transitions) < 2:
             return transitions
-        kept: dict[CompiledTransition, tuple[Node, ...]] = {}
-        leaving: dict[Node, CompiledTransition] = {}
+        kept: dict[CompiledTransition, tuple[CompiledState, ...]] = {}
+        leaving: dict[CompiledState, CompiledTransition] = {}
         for transition in transitions:
             exits = inside(config.order, self._domain(transition, memory))
             clashing = (leaving[node] for node in exits if node in leaving)
@@ -62,16 +62,16 @@ class Graph(CompiledMission):
                 leaving |= dict.fromkeys(exits, transition)
         return [*kept]
 
-    def _targets(self, transition: CompiledTransition, memory: Memory) -> list[Node]:
+    def _targets(self, transition: CompiledTransition, memory: Memory) -> list[CompiledState]:
         """Where a transition leads, history looked up (getEffectiveTargetStates)."""
         return [state for target in transition.targets for state in self._effective(target, memory)]
 
-    def _effective(self, target: Node, memory: Memory) -> list[Node]:
+    def _effective(self, target: CompiledState, memory: Memory) -> list[CompiledState]:
         if not target.is_history:
             return [target]
         return [each for node in memory.get(target.index) or target.initial for each in self._effective(node, memory)]
 
-    def _domain(self, transition: CompiledTransition, memory: Memory) -> Node | None:
+    def _domain(self, transition: CompiledTransition, memory: Memory) -> CompiledState | None:
         """The state inside which everything is left and entered (getTransitionDomain)."""
         targets = self._targets(transition, memory)
         if not targets:
@@ -131,12 +131,12 @@ class Graph(CompiledMission):
         """The entry of the mission: what it waits for begins before that of the states in it, as for any state."""
         return self.move(self.empty, set(), self.around(self.root.initial, self.root, memory), outer=(self.root,))
 
-    def jump_to(self, config: Configuration, target: Node, memory: Memory, trigger: str) -> CompiledStep:
+    def jump_to(self, config: Configuration, target: CompiledState, memory: Memory, trigger: str) -> CompiledStep:
         """From wherever it is into a state, everything left."""
         exited = {node for node in config.nodes if node.state is not None}
         return self.move(config, exited, self.around((target,), self.root, memory), trigger=trigger)
 
-    def reenter(self, config: Configuration, node: Node, memory: Memory) -> CompiledStep:
+    def reenter(self, config: Configuration, node: CompiledState, memory: Memory) -> CompiledStep:
         """What is inside a state is left, and its `initial` entered: the next round of an `each`."""
         exited = {*inside(config.order, node)}
         return self.move(config, exited, self.around(node.initial, node, memory))
@@ -144,13 +144,13 @@ class Graph(CompiledMission):
     def move(
         self,
         config: Configuration,
-        exited: set[Node],
+        exited: set[CompiledState],
         entered: EnteredStates,
         *,
         taken: tuple[str, ...] = (),
         acts: tuple[Act, ...] = (),
         trigger: str = "",
-        outer: tuple[Node, ...] = (),
+        outer: tuple[CompiledState, ...] = (),
     ) -> CompiledStep:
         """A leap from what is left and entered: exit innermost first, the transitions' acts, entry outermost first.
 
@@ -176,7 +176,9 @@ class Graph(CompiledMission):
         leap.plain = quiet and not (ends or leap.remember or watched)
         return leap
 
-    def _entering(self, active: set[Node], into: Iterable[Node], recalled: Mapping[Node, Node]) -> Iterable[Act]:
+    def _entering(
+        self, active: set[CompiledState], into: Iterable[CompiledState], recalled: Mapping[CompiledState, CompiledState]
+    ) -> Iterable[Act]:
         """The acts of entering these; a final raises the end of its parent, and of a parallel state with it."""
         for node in into:
             active.add(node)
@@ -187,13 +189,15 @@ class Graph(CompiledMission):
                 outer = node.parent if node.parent.is_parallel else node.parent.parent
                 yield self._content.reach_final(node, tuple(self.complete(outer, active)))
 
-    def complete(self, region_of: Node | None, nodes: set[Node]) -> Iterable[Node]:
+    def complete(self, region_of: CompiledState | None, nodes: set[CompiledState]) -> Iterable[CompiledState]:
         """The parallel states that may have all their regions in a final now, inner first."""
         while region_of is not None and region_of.is_parallel and is_done(region_of, nodes):
             yield region_of
             region_of = region_of.parent
 
-    def _remembered(self, config: Configuration, exited: Iterable[Node]) -> Iterable[tuple[int, tuple[Node, ...]]]:
+    def _remembered(
+        self, config: Configuration, exited: Iterable[CompiledState]
+    ) -> Iterable[tuple[int, tuple[CompiledState, ...]]]:
         for node in exited:
             for history in node.history:
                 assert isinstance(history.state, History)
@@ -202,20 +206,22 @@ class Graph(CompiledMission):
                 else:
                     yield history.index, tuple([each for each in inside(config.order, node) if each.parent is node])
 
-    def _lists(self, history: int, states: Iterable[Node]) -> Iterable[Node]:
+    def _lists(self, history: int, states: Iterable[CompiledState]) -> Iterable[CompiledState]:
         """Each `each` that a history leads back into, if these are the states that it leads back to."""
         parent = self.order[history].parent
         assert parent is not None
         inner = {outer for state in states for outer in state.ancestors if outer is parent or outer.inside(parent)}
         return sorted([each for each in inner if each.is_each], key=lambda each: each.index)
 
-    def around(self, targets: Iterable[Node], domain: Node, memory: Memory) -> EnteredStates:
+    def around(self, targets: Iterable[CompiledState], domain: CompiledState, memory: Memory) -> EnteredStates:
         """These states, what contains them up to the domain, and what is entered inside them by default."""
         entered = EnteredStates()
         self._into(targets, domain, entered, memory)
         return entered
 
-    def _into(self, targets: Iterable[Node], domain: Node, entered: EnteredStates, memory: Memory) -> None:
+    def _into(
+        self, targets: Iterable[CompiledState], domain: CompiledState, entered: EnteredStates, memory: Memory
+    ) -> None:
         """Targets, what is entered inside them by default, and what lies between them and the domain."""
         targets = tuple(targets)
         for target in targets:
@@ -223,7 +229,7 @@ class Graph(CompiledMission):
         for target in targets:
             self._climb(target, domain, entered, memory)
 
-    def _descend(self, node: Node, entered: EnteredStates, memory: Memory) -> None:
+    def _descend(self, node: CompiledState, entered: EnteredStates, memory: Memory) -> None:
         """A target and what is entered inside it by default (addDescendantStatesToEnter)."""
         if node.is_history:
             assert node.parent is not None
@@ -238,7 +244,7 @@ class Graph(CompiledMission):
         elif node.is_compound and not node.is_each:
             self._into(node.initial, node, entered, memory)
 
-    def _climb(self, node: Node, domain: Node, entered: EnteredStates, memory: Memory) -> None:
+    def _climb(self, node: CompiledState, domain: CompiledState, entered: EnteredStates, memory: Memory) -> None:
         """What lies between a target and the domain (addAncestorStatesToEnter)."""
         for ancestor in node.ancestors:
             if ancestor is domain:
@@ -247,14 +253,14 @@ class Graph(CompiledMission):
             if ancestor.is_parallel:
                 self._regions(ancestor, entered, memory)
 
-    def _regions(self, parallel: Node, entered: EnteredStates, memory: Memory) -> None:
+    def _regions(self, parallel: CompiledState, entered: EnteredStates, memory: Memory) -> None:
         """The regions of a parallel state in which nothing is entered yet, by default."""
         for child in parallel.children:
             if child not in entered and child not in entered.around:
                 self._descend(child, entered, memory)
 
 
-def is_done(node: Node, nodes: set[Node]) -> bool:
+def is_done(node: CompiledState, nodes: set[CompiledState]) -> bool:
     """Whether a state may have reached its end (SCXML: isInFinalState); an `each` has as its list shows."""
     if node.is_each:
         return node in nodes

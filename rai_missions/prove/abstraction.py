@@ -16,9 +16,9 @@ from rai_missions.engine import Chart
 from rai_missions.engine.activities.action import GoalActivity, GoalMachine
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree import TreeActivity, limit_of
+from rai_missions.engine.compiled_states import CompiledGuard, CompiledState
 from rai_missions.engine.configuration import Configuration
 from rai_missions.engine.hold import awake, free, is_held
-from rai_missions.engine.nodes import CompiledGuard, Node
 from rai_missions.engine.state import TABLE, Holds, RunState, Timer
 from rai_missions.engine.timers import next_number
 from rai_missions.guards.view import View
@@ -331,7 +331,7 @@ class Abstraction:
             number = next_number(state)
             state.goals[number] = state.goals[key]._replace(number=number)
 
-    def lengthen(self, state: RunState, node: Node, is_new: Callable[[RunState, Node], bool]) -> None:
+    def lengthen(self, state: RunState, node: CompiledState, is_new: Callable[[RunState, CompiledState], bool]) -> None:
         """A list that the surroundings gave may be longer than was thought, where it has two items or more.
 
         Args:

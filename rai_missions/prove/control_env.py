@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 from rai_missions.engine import Chart
+from rai_missions.engine.compiled_states import CompiledState
 from rai_missions.engine.hold import held_controls
-from rai_missions.engine.nodes import Node
 from rai_missions.engine.state import RunState
 from rai_missions.event import Event
 from rai_missions.mission.mission import BUILT_IN_EVENTS
@@ -109,7 +109,7 @@ class ControlEnvironment:
         is_open = self._chart.state.holder is None and not self.here
         self._may_be_held = bool(self.needed) and not self.is_calm and is_open
 
-    def enter(self, state: RunState, node: Node) -> None:
+    def enter(self, state: RunState, node: CompiledState) -> None:
         """The first state that needs control is entered: now it makes a difference whether the operator took it."""
         if node.control is not None and self._may_be_held and state.holder is None:
             self._may_be_held = False

@@ -15,9 +15,9 @@ from rai_missions.engine.activities.computing import ComputingMachine
 from rai_missions.engine.activities.decision import DecisionMachine
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.activities.tree import TreeMachine
+from rai_missions.engine.compiled_states import CompiledState
 from rai_missions.engine.configuration import CompiledStep
 from rai_missions.engine.handover import is_kept, receive_control
-from rai_missions.engine.nodes import Node
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.state import RunState
 from rai_missions.engine.stepping import begin_run
@@ -54,7 +54,7 @@ class OpenSurroundings(Surroundings):
     def holder(self, state: RunState) -> Holder:
         return self._environment.control.find(state)
 
-    def machine(self, node: Node, machine: Machine) -> Machine:
+    def machine(self, node: CompiledState, machine: Machine) -> Machine:
         self._environment.instruments.watch(machine, node.place)
         if isinstance(machine, DecisionMachine):
             self._environment.inputs.leave_answers_open(machine)
@@ -66,10 +66,10 @@ class OpenSurroundings(Surroundings):
     def before_step(self, state: RunState, step: CompiledStep) -> bool:
         return self._environment.circles.may_step(state, step)
 
-    def before_entry(self, state: RunState, node: Node) -> None:
+    def before_entry(self, state: RunState, node: CompiledState) -> None:
         self._environment.control.enter(state, node)
 
-    def before_round(self, state: RunState, node: Node) -> None:
+    def before_round(self, state: RunState, node: CompiledState) -> None:
         self._environment.rest.lengthen(state, node, self._environment.circles.is_new_round)
 
     def waits(self, state: RunState, event: Event, waiting: tuple[Event, ...]) -> bool:

@@ -12,8 +12,8 @@ from functools import lru_cache
 from itertools import dropwhile
 from typing import Any, NamedTuple, Protocol
 
+from rai_missions.engine.compiled_states import CompiledState, CompiledTransition
 from rai_missions.engine.configuration import Configuration
-from rai_missions.engine.nodes import CompiledTransition, Node
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.transitions import Graph
 from rai_missions.mission.mission import Mission
@@ -49,7 +49,7 @@ def _root(word: str) -> str:
     return word.removeprefix(KNOWN).partition(".")[0]
 
 
-def _staying(transition: CompiledTransition) -> tuple[Node, ...]:
+def _staying(transition: CompiledTransition) -> tuple[CompiledState, ...]:
     """The states around a transition that stay active: the domain of its targets, and what is around that.
 
     A parallel state is no domain: a transition from one of its regions to another leaves it, and enters it again.
@@ -140,10 +140,10 @@ class LooksAhead(Protocol):
     def after(self, config: Configuration) -> Later:
         """What makes a difference from there on."""
 
-    def within(self, nodes: Iterable[Node]) -> frozenset[str]:
+    def within(self, nodes: Iterable[CompiledState]) -> frozenset[str]:
         """What of it rests on these states: where all states together give the same, `after` does."""
 
-    def with_outcome(self, node: Node, outcome: str, others: Collection[str]) -> Later:
+    def with_outcome(self, node: CompiledState, outcome: str, others: Collection[str]) -> Later:
         """What makes a difference once a state ends with an outcome, and not with others that it could end with."""
 
 
@@ -163,7 +163,7 @@ class LiveReads:
         given = [mission.invariants, terms.succeeded, terms.failed]
         self._always = self._keys if reads_all else frozenset(self._mentions(given))
         self._graph = graph
-        self._entered: dict[Node, frozenset[Node]] = {}
+        self._entered: dict[CompiledState, frozenset[CompiledState]] = {}
         self._on_entry = {node: self._read_on_entry(node) for node in graph.order}
         self._live = {node: self._of_state(node) for node in graph.order}
         self._rewritten = {node for node in graph.order if node.is_history and self._is_rewritten(node)}
@@ -181,7 +181,7 @@ class LiveReads:
             found = self._found[config.key] = self._after(config)
         return found
 
-    def within(self, nodes: Iterable[Node]) -> frozenset[str]:
+    def within(self, nodes: Iterable[CompiledState]) -> frozenset[str]:
         """What of it rests on these states: where all states together give the same, `after` does.
 
         Histories apart: what they recall depends on which of their parents are active.
@@ -205,7 +205,7 @@ class LiveReads:
     def _known(self, words: Iterable[str]) -> frozenset[str]:
         return frozenset(_root(word) for word in words if word.startswith(KNOWN))
 
-    def with_outcome(self, node: Node, outcome: str, others: Collection[str]) -> Later:
+    def with_outcome(self, node: CompiledState, outcome: str, others: Collection[str]) -> Later:
         """What makes a difference once a state ends with an outcome, and not with others that it could end with.
 
         Transitions that only the others take are left out: until the state is entered again, they cannot be taken.
@@ -221,7 +221,7 @@ class LiveReads:
         paths = words.union(*(self._live[each] for each in others_active))
         return Later(self._paths(paths), NONE, frozenset(), NONE, self._known(paths))
 
-    def _is_rewritten(self, history: Node) -> bool:
+    def _is_rewritten(self, history: CompiledState) -> bool:
         """Whether leaving its parent always comes before looking it up again."""
         parent = history.parent
         inside = [node for node in self._graph.order if node is parent or (parent is not None and node.inside(parent))]
@@ -230,7 +230,7 @@ class LiveReads:
 
     # -- what each state reads ------------------------------------------------------------------------------------
 
-    def _of_state(self, node: Node) -> frozenset[str]:
+    def _of_state(self, node: CompiledState) -> frozenset[str]:
         """What a state itself looks at while it is active and on exit; not its transitions."""
         if node.state is None:
             return frozenset()
@@ -240,7 +240,7 @@ class LiveReads:
         looked = self._worked_with(node.state, fields) if node.state.computed() else self._mentions(own)
         return frozenset({*looked, *self._reads_of(node.state.exit), *(START + action for action in actions)})
 
-    def _read_on_entry(self, node: Node) -> frozenset[str]:
+    def _read_on_entry(self, node: CompiledState) -> frozenset[str]:
         """What a state looks at as it is entered, and not again before it is entered again."""
         if node.state is None:
             return NONE
@@ -289,7 +289,7 @@ class LiveReads:
             }
         return sum(len(words) for words in self._live.values()) > before
 
-    def _once_entered(self, node: Node, transition: CompiledTransition) -> frozenset[str]:
+    def _once_entered(self, node: CompiledState, transition: CompiledTransition) -> frozenset[str]:
         """The same from the entry of its state on: an outcome comes with what was written just before.
 
         That is what the state has worked out, or the answer that was given.
@@ -339,18 +339,18 @@ class LiveReads:
         examples = [each for name in named for each in state.worked_out(name) or ({},)]
         return all(isinstance(each.get(path), KINDS[written.type]) for each in examples)
 
-    def _once_in(self, targets: Iterable[Node], kept: Collection[Node] = ()) -> frozenset[str]:
+    def _once_in(self, targets: Iterable[CompiledState], kept: Collection[CompiledState] = ()) -> frozenset[str]:
         """What makes a difference once these are entered, where some states around them stay active."""
         into = self._into(targets)
         return frozenset[str]().union(
             *(self._live[node] for node in into), *(self._on_entry[node] for node in into if node not in kept)
         )
 
-    def _into(self, targets: Iterable[Node]) -> set[Node]:
+    def _into(self, targets: Iterable[CompiledState]) -> set[CompiledState]:
         """All that may be active once these are entered, with what was active before."""
         return {node for target in targets for node in self._around(target)}
 
-    def _around(self, target: Node) -> frozenset[Node]:
+    def _around(self, target: CompiledState) -> frozenset[CompiledState]:
         """A target, what is entered inside it, its ancestors, and the other regions."""
         if target not in self._entered:
             found = {target, *target.ancestors}
@@ -361,7 +361,7 @@ class LiveReads:
             self._entered[target] = frozenset(found)
         return self._entered[target]
 
-    def _inside(self, node: Node) -> Iterator[Node]:
+    def _inside(self, node: CompiledState) -> Iterator[CompiledState]:
         """What may be entered with a state by default; of a history, all that it can lead back to."""
         if node.is_history or node.is_parallel or node.is_each:
             top = node.parent if node.is_history else node

@@ -12,7 +12,7 @@ from typing import Any
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.computing import ComputedResult
-from rai_missions.engine.nodes import CompiledGuard, Node
+from rai_missions.engine.compiled_states import CompiledGuard, CompiledState
 from rai_missions.guards.view import Site, Truth, as_counted
 from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission
@@ -146,7 +146,7 @@ class OpenWorld:
             return OpenFields(fields, partial(self.values.part, key), self.choices.pick)
         return None
 
-    def anything_of(self, node: Node, into: str, live: LooksAhead) -> Callable[..., ComputedResult]:
+    def anything_of(self, node: CompiledState, into: str, live: LooksAhead) -> Callable[..., ComputedResult]:
         """What a state may work out: any of its outcomes, with any value that can come with it.
 
         Of values that are the same in all that may be read of them once the state has ended so, one represents all:

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.tree import TreeActivity
+from rai_missions.engine.compiled_states import CompiledState
 from rai_missions.engine.configuration import Configuration
 from rai_missions.engine.handover import is_kept
-from rai_missions.engine.nodes import Node
 from rai_missions.engine.state import TABLE, Holds, RunState, copied
 from rai_missions.engine.transitions import is_done
 from rai_missions.prove.abstraction import Abstraction
@@ -50,7 +50,7 @@ class PartNumbers(NamedTuple):
 class Part(NamedTuple):
     """What belongs to a group of regions."""
 
-    atomic: tuple[Node, ...]
+    atomic: tuple[CompiledState, ...]
     """Its innermost active states."""
     fields: Mapping[str, Mapping[Any, Any]]
     """Field of a run → its entries."""
@@ -97,11 +97,11 @@ class RegionParts:
         self._is_kept = frozenset(name for name, node in graph.nodes.items() if is_kept(chart.program, node))
         """The states whose activity a pause leaves as it is."""
         self.frames: list[StateFrame] = []
-        self.parts: dict[Node, list[list[Part]]] = {
+        self.parts: dict[CompiledState, list[list[Part]]] = {
             each.node: [[] for _ in each.members] for each in regions.parallels.values()
         }
         self._frame_numbers: dict[bytes, int] = {}
-        self._part_numbers: dict[tuple[Node, int, bytes], int] = {}
+        self._part_numbers: dict[tuple[CompiledState, int, bytes], int] = {}
 
     # -- taken apart ----------------------------------------------------------------------------------------------
 
@@ -166,7 +166,7 @@ class RegionParts:
         self,
         parallel: RegionGroups,
         group: int,
-        atomic: tuple[Node, ...],
+        atomic: tuple[CompiledState, ...],
         fields: Mapping[str, dict[Any, Any]],
         groups: Mapping[str, Groups],
     ) -> Part:
@@ -183,7 +183,11 @@ class RegionParts:
         return Part(atomic, dict(fields), groups, wakes, is_quiet, (kept, trees), is_ended, reads)
 
     def _waits_for(
-        self, parallel: RegionGroups, group: int, nodes: Iterable[Node], fields: Mapping[str, Mapping[Any, Any]]
+        self,
+        parallel: RegionGroups,
+        group: int,
+        nodes: Iterable[CompiledState],
+        fields: Mapping[str, Mapping[Any, Any]],
     ) -> Iterable[str]:
         """What wakes something in a part: keys, states, and time where something known in it may go stale."""
         yield from parallel.outside[group]

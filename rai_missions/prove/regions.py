@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.activity import GOALS
-from rai_missions.engine.nodes import CompiledGuard, CompiledTransition, Node
+from rai_missions.engine.compiled_states import CompiledGuard, CompiledState, CompiledTransition
 from rai_missions.engine.state import TimerKey
 from rai_missions.guards.view import presence
 from rai_missions.mission.mission import BUILT_IN_EVENTS
@@ -41,10 +41,10 @@ OUTSIDE, OF_GOALS = -1, -2
 class RegionGroups(NamedTuple):
     """A parallel state whose regions are explored part by part."""
 
-    node: Node
+    node: CompiledState
     group_of: Mapping[str, int]
     """State inside it → its group."""
-    members: tuple[tuple[Node, ...], ...]
+    members: tuple[tuple[CompiledState, ...], ...]
     """Of each group its regions."""
     key_of: Mapping[str, int]
     """Key that the robot reports → the group that reads it."""
@@ -68,7 +68,7 @@ class RegionGroups(NamedTuple):
 class ParallelTexts(NamedTuple):
     """A parallel state as it is read, before its regions are in groups."""
 
-    node: Node
+    node: CompiledState
     region_of: Mapping[str, int]
     """State inside it → its region."""
     texts: tuple[frozenset[str], ...]
@@ -100,7 +100,7 @@ class Regions:
             or any(node.is_history for node in graph.order)
         )
         found = [self._parallel(node) for node in graph.order if is_plain and _is_outermost(node)]
-        self.parallels: dict[Node, RegionGroups] = {each.node: each for each in found if each is not None}
+        self.parallels: dict[CompiledState, RegionGroups] = {each.node: each for each in found if each is not None}
         self.tokens = self._tokens()
         """What a step may wake others by; nothing waits for anything else."""
 
@@ -112,7 +112,7 @@ class Regions:
         tokens = (TIME, GOALS, ANY_KEY, *sorted(mission.blackboard), *sorted(states))
         return {token: 1 << at for at, token in enumerate(tokens)}
 
-    def named_by(self, node: Node) -> Iterator[str]:
+    def named_by(self, node: CompiledState) -> Iterator[str]:
         """The keys and states that the guards of a state name."""
         for guard in guards_in(own_parts(node.state)):
             yield from (path.split(".")[0] for path in guard.paths())
@@ -129,7 +129,7 @@ class Regions:
 
     # -- groups ---------------------------------------------------------------------------------------------------
 
-    def _parallel(self, node: Node) -> RegionGroups | None:
+    def _parallel(self, node: CompiledState) -> RegionGroups | None:
         """The groups of a parallel state; None where it is explored as a whole."""
         regions, inside = node.children, [each for each in self._chart.program.graph.order if each.inside(node)]
         waiting = [*self._waiting(node), *(condition for _, condition in self._chart.program.invariants)]
@@ -201,7 +201,7 @@ class Regions:
         state = self._chart.program.graph.nodes[name].state
         return state is not None and state.root() is not None
 
-    def _text(self, top: Node) -> Iterator[str]:
+    def _text(self, top: CompiledState) -> Iterator[str]:
         """Every word of a region, with what a profile adds to its actions."""
         words = set(_names(top.state))
         facts = self._chart.terms
@@ -211,7 +211,7 @@ class Regions:
         if ANY_EVENT in words:
             yield from self._events
 
-    def _waiting(self, node: Node) -> Iterator[CompiledGuard]:
+    def _waiting(self, node: CompiledState) -> Iterator[CompiledGuard]:
         """The guards of rules around a parallel state that may fire without an event."""
         for each in _transitions(node):
             if each.condition is not None and (each.definition.eventless or each.condition.holds):
@@ -281,11 +281,11 @@ class JoinedNumbers:
         return [[at for at, lead in enumerate(self._lead) if lead == first] for first in sorted(set(self._lead))]
 
 
-def _is_outermost(node: Node) -> bool:
+def _is_outermost(node: CompiledState) -> bool:
     return node.is_parallel and not any(each.is_parallel or each.is_each for each in node.ancestors)
 
 
-def _transitions(node: Node) -> list[CompiledTransition]:
+def _transitions(node: CompiledState) -> list[CompiledTransition]:
     """The transitions of a state and of those around it."""
     return [transition for each in (node, *node.ancestors) for transition in each.transitions]
 
@@ -296,7 +296,7 @@ def _states(condition: CompiledGuard | None) -> frozenset[str]:
     return frozenset(name for guard in condition.guard.walk() for name in guard.states())
 
 
-def _actions(top: Node) -> frozenset[str]:
+def _actions(top: CompiledState) -> frozenset[str]:
     return frozenset(each.action for kind in (Action, ActionLeaf) for each in parts(top.state, kind))
 
 

@@ -22,7 +22,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
-from rai_missions.engine.nodes import Node
+from rai_missions.engine.compiled_states import CompiledState
 from rai_missions.prove.environment import Environment
 from rai_missions.prove.region_parts import PartNumbers
 from rai_missions.prove.regions import OUTSIDE, RegionGroups
@@ -193,7 +193,7 @@ def may_be_apart(environment: Environment, parallels: Iterable[RegionGroups]) ->
 
 def _can_end(parallel: RegionGroups) -> bool:
     """Whether an event that no region handles ends the mission."""
-    around: list[Node] = [parallel.node, *parallel.node.ancestors]
+    around: list[CompiledState] = [parallel.node, *parallel.node.ancestors]
     for transition in (each for node in around for each in node.transitions):
         on, targets = transition.definition.on, transition.targets
         is_alone = transition.test is None and not any(parallel.handlers.get(event) for event in on)

@@ -16,9 +16,9 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.engine import Chart
+from rai_missions.engine.compiled_states import CompiledState
 from rai_missions.engine.configuration import CompiledStep
 from rai_missions.engine.macrostep import MOST_MICROSTEPS
-from rai_missions.engine.nodes import Node
 from rai_missions.engine.state import TABLE, Holds, RunState, StepDraft
 from rai_missions.keys import type_error
 from rai_missions.prove.abstraction import INDIFFERENT, Abstraction
@@ -77,7 +77,7 @@ class StepCircles:
         """`each` → its current item, and the places in which the macrostep in hand has asked for more items."""
         self._fields = [(each.name, keys_by_kind.get(each.holds)) for each in TABLE if each.holds not in INDIFFERENT]
 
-    def is_new_round(self, state: RunState, node: Node) -> bool:
+    def is_new_round(self, state: RunState, node: CompiledState) -> bool:
         """Whether more rounds of a list may lead to what no other way, and none before on this one, leads to."""
         self._follow(state)
         items, index = state.rounds[node.name]

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.ticker import Trees
+from rai_missions.engine.compiled_states import CompiledGuard, CompiledState
 from rai_missions.engine.configuration import Configuration
-from rai_missions.engine.nodes import CompiledGuard, Node
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.environment import Environment
 from rai_missions.prove.explorer import Edge, Space
@@ -93,10 +93,10 @@ class Everything(NamedTuple):
     def after(self, config: Configuration) -> Later:
         return self.later
 
-    def within(self, nodes: Iterable[Node]) -> frozenset[str]:
+    def within(self, nodes: Iterable[CompiledState]) -> frozenset[str]:
         return frozenset()
 
-    def with_outcome(self, node: Node, outcome: str, others: Collection[str]) -> Later:
+    def with_outcome(self, node: CompiledState, outcome: str, others: Collection[str]) -> Later:
         return self.later
 
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rai_missions.engine import macrostep
-from rai_missions.engine.nodes import Node
+from rai_missions.engine.compiled_states import CompiledState
 from rai_missions.engine.state import RunState
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import prove, step_chains, step_circles
@@ -74,7 +74,7 @@ def test_a_circle_that_needs_a_long_list_each_time_is_not_taken_for_one_that_end
 def with_lists_of(most: int, document: Json) -> RecordingSpace:
     """What is explored where every list of up to so many items is tried; 0: of any length."""
 
-    def is_short(circles: StepCircles, state: RunState, node: Node) -> bool:
+    def is_short(circles: StepCircles, state: RunState, node: CompiledState) -> bool:
         return len(state.rounds[node.name][0]) < most
 
     with pytest.MonkeyPatch.context() as patch:

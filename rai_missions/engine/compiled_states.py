@@ -15,7 +15,15 @@ from rai_missions.states.state import State
 from rai_missions.states.transition import Transition
 
 __all__ = (
-    "Act", "CompiledGuard", "CompiledTransition", "Content", "Memory", "Node", "Write", "WriteAct", "Written",
+    "Act",
+    "CompiledGuard",
+    "CompiledState",
+    "CompiledTransition",
+    "Content",
+    "Memory",
+    "Write",
+    "WriteAct",
+    "Written",
 )  # fmt: skip
 
 Act = Callable[[Any, Any], None]
@@ -24,7 +32,7 @@ Written = tuple[tuple[str, Any], ...]
 """Keys and their new values, in order."""
 Write = Callable[[Any], Written | None]
 """Writes a key of a run's blackboard and returns what a step notes; None where it has written nothing."""
-Memory = Mapping[int, tuple["Node", ...]]
+Memory = Mapping[int, tuple["CompiledState", ...]]
 """Index of a history state → the states it leads back to."""
 
 
@@ -74,52 +82,29 @@ class CompiledGuard(NamedTuple):
     holds: Mapping[str, Test]
 
 
-class Node:
+class CompiledState:
     """A state with its place among the others."""
 
     __slots__ = (
-        "activity",
-        "ancestors",
-        "chains",
-        "children",
-        "clocked",
-        "control",
-        "depth",
-        "entry",
-        "exit",
-        "history",
-        "index",
-        "initial",
-        "is_compound",
-        "is_each",
-        "is_final",
-        "is_history",
-        "is_parallel",
-        "last",
-        "name",
-        "options",
-        "parent",
-        "place",
-        "requires",
-        "state",
-        "timed",
-        "transitions",
+        "activity", "ancestors", "chains", "children", "clocked", "control", "depth", "entry", "exit", "history",
+        "index", "initial", "is_compound", "is_each", "is_final", "is_history", "is_parallel", "last", "name",
+        "options", "parent", "place", "requires", "state", "timed", "transitions",
     )  # fmt: skip
 
-    def __init__(self, name: str, place: str, state: State | None, parent: Node | None, index: int) -> None:
+    def __init__(self, name: str, place: str, state: State | None, parent: CompiledState | None, index: int) -> None:
         self.name, self.place, self.state, self.parent, self.index = name, place, state, parent, index
-        self.ancestors: tuple[Node, ...] = () if parent is None else (parent, *parent.ancestors)
+        self.ancestors: tuple[CompiledState, ...] = () if parent is None else (parent, *parent.ancestors)
         """Innermost first, the mission itself (the root) last."""
         self.depth = len(self.ancestors)
         self.last = index
         """The index of the last state inside it."""
-        self.children: list[Node] = []
+        self.children: list[CompiledState] = []
         self.transitions: list[CompiledTransition] = []
         self.chains: dict[Any, tuple[CompiledTransition, ...]] = {}
         """An event, or None for no event → its transitions and its ancestors' that it may fire: see `chain_of`."""
-        self.initial: tuple[Node, ...] = ()
+        self.initial: tuple[CompiledState, ...] = ()
         """What entering it by default leads to; of a history where it leads without memory."""
-        self.history: list[Node] = []
+        self.history: list[CompiledState] = []
         self.entry: tuple[Act, ...] = ()
         self.exit: tuple[Act, ...] = ()
         self.is_history, self.is_final = isinstance(state, History), isinstance(state, Final)
@@ -132,7 +117,7 @@ class Node:
         self.requires: CompiledGuard | None = None
         self.options = frozenset(state.options if state else ())
 
-    def inside(self, other: Node) -> bool:
+    def inside(self, other: CompiledState) -> bool:
         """Whether it is a proper descendant of another (SCXML: isDescendant)."""
         return other.index < self.index <= other.last
 
@@ -144,21 +129,12 @@ class CompiledTransition:
     """A transition compiled."""
 
     __slots__ = (
-        "acts",
-        "condition",
-        "definition",
-        "internal",
-        "outcomes",
-        "place",
-        "source",
-        "targets",
-        "test",
-        "uses_history",
-    )
+        "acts", "condition", "definition", "internal", "outcomes", "place", "source", "targets", "test", "uses_history",
+    )  # fmt: skip
 
-    def __init__(self, definition: Transition, place: str, source: Node) -> None:
+    def __init__(self, definition: Transition, place: str, source: CompiledState) -> None:
         self.definition, self.place, self.source = definition, place, source
-        self.targets: tuple[Node, ...] = ()
+        self.targets: tuple[CompiledState, ...] = ()
         self.acts: tuple[Act, ...] = ()
         self.condition: CompiledGuard | None = None
         self.test: Test | None = None
