@@ -17,7 +17,7 @@ from rai_missions.engine.activities.action import GoalActivity, GoalMachine
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree import TreeActivity, limit_of
 from rai_missions.engine.compiled_states import CompiledGuard, CompiledState
-from rai_missions.engine.configuration import Configuration
+from rai_missions.engine.configuration import Plan
 from rai_missions.engine.hold import awake, free, is_held
 from rai_missions.engine.state import TABLE, Holds, RunState, Timer
 from rai_missions.engine.timers import next_number
@@ -160,13 +160,7 @@ class Abstraction:
         if state.final is not None:
             yield from [state.final.requires] if state.final.requires is not None else []
         else:
-            config = state.config
-            waiting = self._waiting.get(config.key)
-            if waiting is None:
-                if len(self._waiting) >= REMEMBERED:
-                    self._waiting.clear()
-                waiting = self._waiting[config.key] = tuple(_waiting(config))
-            yield from waiting if not state.frozen else _waiting_free(state)
+            yield from self._eventless(state)
         for name in state.settling:
             if state.final is None and is_held(state, program.graph.nodes[name]):
                 continue
@@ -174,6 +168,18 @@ class Abstraction:
             assert requires is not None
             yield requires
         yield from (condition for _, condition in program.invariants)
+
+    def _eventless(self, state: RunState) -> Iterable[CompiledGuard]:
+        """The guards of free states that may fire transitions without an event."""
+        config = state.config
+        if state.frozen:
+            return _waiting(free(state, config.eventless), [node for node in config.nodes if not is_held(state, node)])
+        waiting = self._waiting.get(config.key)
+        if waiting is None:
+            if len(self._waiting) >= REMEMBERED:
+                self._waiting.clear()
+            waiting = self._waiting[config.key] = tuple(_waiting(config.eventless, config.nodes))
+        return waiting
 
     def _look(self, state: RunState, condition: CompiledGuard) -> None:
         if self._world.predicates:  # they may have another value the next time
@@ -380,31 +386,12 @@ def _rest_lists(lists: dict[tuple[str, str], Round]) -> dict[tuple[str, str], Ro
     return {key: (items[at:], 0) for key, (items, at) in lists.items()}
 
 
-def _waiting(config: Configuration) -> Iterator[CompiledGuard]:
-    """The guards of transitions that need no event, and those that count for how long they have been true."""
-    yield from (
-        transition.condition for chain in config.eventless for transition in chain if transition.condition is not None
-    )
-    nodes = sorted(config.nodes, key=lambda node: node.index)
-    conditions = (transition.condition for node in nodes for transition in node.transitions)
+def _waiting(chains: Plan, nodes: Iterable[CompiledState]) -> Iterator[CompiledGuard]:
+    """The guards of transitions that need no event, and those of states that count for how long they have been true."""
+    yield from (each.condition for chain in chains for each in chain if each.condition is not None)
+    inside = sorted(nodes, key=lambda node: node.index)
+    conditions = (transition.condition for node in inside for transition in node.transitions)
     yield from (condition for condition in conditions if condition is not None and condition.holds)
-
-
-def _waiting_free(state: RunState) -> Iterable[CompiledGuard]:
-    """The same of free states alone."""
-    yield from (
-        transition.condition
-        for chain in free(state, state.config.eventless)
-        for transition in chain
-        if transition.condition
-    )
-    for node in sorted(state.config.nodes, key=lambda node: node.index):
-        if not is_held(state, node):
-            yield from (
-                transition.condition
-                for transition in node.transitions
-                if transition.condition and transition.condition.holds
-            )
 
 
 def _sense(machine: GoalMachine, activity: GoalActivity, view: View) -> None:

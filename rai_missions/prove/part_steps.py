@@ -244,9 +244,7 @@ class PartSteps:
         """The same, but steps are made of one group alone once it has moved."""
         head, depth = self._codes.head_of(code), self._search.depth_of(number)
         groups = [*apart.moved(head, spot.parts), OUTSIDE]
-        summary = 0
-        for slot in self._slots_of(spot):
-            summary |= slot.summary
+        summary = reduce(or_, (slot.summary for slot in self._slots_of(spot)))
         shares = self._make(number, spot, store, groups)
         if store.goals or summary & (LOUD | KEPT | TREES | ENDED) or any(each.waits for each in shares):
             raise EntangledError
@@ -271,9 +269,8 @@ class PartSteps:
         """
         view = self._view(spot)
         place = self._parts.place(spot, store)
-        slots, summary = self._slots_of(spot), 0
-        for slot in slots:
-            summary |= slot.summary
+        slots = self._slots_of(spot)
+        summary = reduce(or_, (slot.summary for slot in slots))
         known = self._shares_of(spot, slots, summary, store)
         if None in known:
             self._search.findings.stop(number, place)
