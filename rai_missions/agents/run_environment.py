@@ -74,7 +74,7 @@ def _open_python(plan: RunPlan, robot: PythonRobot) -> RunEnvironment:
     robot_time = RobotTime(steered=given is None and speed not in (None, 1.0))
     steered = RobotClock(robot_time, speed or math.inf) if robot_time.is_steered else WallClock()
     clock = plan.continued(given or steered)
-    keys = {name: key for name, key in plan.mission.blackboard.items() if key.source == "robot"}
+    keys = plan.mission.keys_of("robot")
     _name_slow_facts(robot, keys)
     connector = PythonRobotConnector(robot, now=clock.now, robot_time=robot_time, events=plan.mission.events, keys=keys)
     return RunEnvironment(None, connector, clock)

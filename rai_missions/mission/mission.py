@@ -14,7 +14,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.given import check_given
 from rai_missions.guards.guard import Guard, GuardOrKey
-from rai_missions.keys import Key, PythonType, field_type
+from rai_missions.keys import Key, PythonType, Source, field_type
 from rai_missions.kinds import PackageOffer, lacking, named
 from rai_missions.model import (
     AnyOf,
@@ -219,24 +219,28 @@ class Mission(MissionModel):
             for index, transition in enumerate(transitions):
                 yield f"{place}/transitions/{index}", transition
 
+    def keys_of(self, source: Source) -> dict[str, Key]:
+        """The keys whose values come from there, in document order."""
+        return {name: key for name, key in self.blackboard.items() if key.source == source}
+
     def needed_facts(self) -> tuple[str, ...]:
         """The keys that the robot must have reported before the mission starts."""
-        return tuple(name for name, key in self.blackboard.items() if key.source == "robot" and not key.optional)
+        return tuple(name for name, key in self.keys_of("robot").items() if not key.optional)
 
     def needed_arguments(self) -> tuple[str, ...]:
         """The arguments without which a run is refused."""
-        return tuple(
-            name
-            for name, key in self.blackboard.items()
-            if key.source == "argument" and key.initial is None and not key.optional
-        )
+        arguments = self.keys_of("argument").items()
+        return tuple(name for name, key in arguments if key.initial is None and not key.optional)
 
     def lasting_keys(self) -> frozenset[str]:
         """The keys that are what they were at the start: arguments, and what has an `initial` and is never written."""
         written = {each.key for thing in self.everything() for each in thing.writes()}
-        own = {name for name, key in self.blackboard.items() if key.source == "mission" and key.initial is not None}
-        given = {name for name, key in self.blackboard.items() if key.source == "argument"}
-        return frozenset(name for name in given | (own - written) if self.blackboard[name].max_age_s is None)
+        own = {name for name, key in self.keys_of("mission").items() if key.initial is not None}
+        return frozenset(
+            name
+            for name in self.keys_of("argument").keys() | (own - written)
+            if self.blackboard[name].max_age_s is None
+        )
 
     def predicates(self) -> frozenset[str]:
         """The predicates of the user's program that its guards name, in options and trees, too."""

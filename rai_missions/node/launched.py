@@ -35,7 +35,7 @@ def arguments_of(parameters: Mapping[str, Any], mission: Mission, given: Mapping
     Raises:
         UsageError: A parameter that the mission does not take, or that was given in another way too.
     """
-    takes = {name: key for name, key in mission.blackboard.items() if key.source == "argument"}
+    takes = mission.keys_of("argument")
     arguments: dict[str, Any] = {}
     for path, value in parameters.items():
         name, _, field = path.partition(".")

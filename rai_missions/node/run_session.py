@@ -111,14 +111,13 @@ class RunSession:
         if self.is_over or self.mode not in ("running", "paused", "canceling"):
             return ()
         now, board = self.runner.view.now(), self.runner.view.board
-        keys = [(name, key) for name, key in self.runner.mission.blackboard.items() if key.source == "robot"]
-        known = [(name, key, board.get(name)) for name, key in keys]
+        known = [(name, key, board.get(name)) for name, key in self.runner.mission.keys_of("robot").items()]
         return tuple(name for name, key, entry in known if entry is not None and stale_at(key, entry) <= now)
 
     def sources(self) -> Mapping[str, SourceState]:
         """The robot's keys → what is known of the readings of their sources."""
-        keys = [name for name, key in self.runner.mission.blackboard.items() if key.source == "robot"]
-        return {} if self.is_over else {name: self.runner.view.source(name) for name in keys}
+        keys = {} if self.is_over else self.runner.mission.keys_of("robot")
+        return {name: self.runner.view.source(name) for name in keys}
 
     @cached_property
     def commands(self) -> frozenset[str]:

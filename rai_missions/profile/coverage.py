@@ -73,7 +73,7 @@ def missing_world(mission: Mission, robot: Robot) -> Iterator[Fault]:
     connector = robot.connector
     if connector["kind"] != "local" or "world" in connector:
         return
-    needs = [f"the key '{name}'" for name, key in mission.blackboard.items() if key.source == "robot"]
+    needs = [f"the key '{name}'" for name in mission.keys_of("robot")]
     needs += [f"the {use.sort} '{use.name}'" for use in MissionIndex(mission).uses]
     if needs:
         why = (

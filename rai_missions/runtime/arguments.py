@@ -38,7 +38,7 @@ def accepted(mission: Mission, arguments: Mapping[str, Any], *, whole: bool = Tr
 def argument_faults(mission: Mission, arguments: Mapping[str, Any], *, whole: bool = True) -> list[StartFault]:
     """What is wrong with the arguments of a run; the arguments are as for `accepted`."""
     needed = mission.needed_arguments()
-    takes = {name: key for name, key in mission.blackboard.items() if key.source == "argument"}
+    takes = mission.keys_of("argument")
     faults = [
         StartFault(
             "foreign", f"the mission takes no argument '{name}'{suggestion(name, takes) or '; it takes none'}", name

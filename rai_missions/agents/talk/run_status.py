@@ -23,7 +23,7 @@ from rai_missions.runtime.runner import Runner
 from rai_missions.states import State
 from rai_missions.states.final import Final
 
-__all__ = ("RobotWords", "RunStatus", "arguments_of")
+__all__ = ("RobotWords", "RunStatus")
 
 MOST_HAPPENINGS = 40
 
@@ -231,14 +231,9 @@ def mission_view(mission: Mission) -> MissionView:
             minimum=key.minimum,
             maximum=key.maximum,
         )
-        for name, key in arguments_of(mission)
+        for name, key in mission.keys_of("argument").items()
     )
     return MissionView(mission.name, mission.about, arguments)
-
-
-def arguments_of(mission: Mission) -> Iterator[tuple[str, Key]]:
-    """The keys that are given at the start."""
-    yield from ((name, key) for name, key in mission.blackboard.items() if key.source == "argument")
 
 
 def key_view(name: str, key: Key, board: Blackboard, now: float) -> KeyView:

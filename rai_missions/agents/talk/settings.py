@@ -50,7 +50,7 @@ def conversation_faults(robot: Robot, mission: Mission | None = None) -> tuple[F
         return ()
     if of_language := _language_faults(policy.language):
         return of_language
-    keys = _arguments(mission)
+    keys = mission.keys_of("argument") if mission is not None else {}
     takes, found = keys.keys(), list[Fault]()
     for place, slots, arguments in _sentences(policy):
         if isinstance(slots, Fault):
@@ -75,12 +75,6 @@ def _language_faults(code: str) -> tuple[Fault, ...]:
     except MissionError as error:
         return (Fault("/conversation/language", str(error)),)
     return ()
-
-
-def _arguments(mission: Mission | None) -> Mapping[str, Key]:
-    """The arguments that a mission takes."""
-    blackboard = mission.blackboard if mission is not None else {}
-    return {name: key for name, key in blackboard.items() if key.source == "argument"}
 
 
 def _sentences(policy: ConversationPolicy) -> Iterator[tuple[str, frozenset[str] | Fault, Mapping[str, Any]]]:
@@ -152,7 +146,7 @@ def conversation_oddities(robot: Robot, mission: Mission) -> Iterator[Fault]:
     for place, path in _paths(policy):
         if close := _resembling(name := path.partition(".")[0], keys):
             yield Fault(place, f"the mission has no key '{name}', so it is never spoken; did you mean '{close}'?")
-    takes = _arguments(mission).keys()
+    takes = mission.keys_of("argument").keys()
     for place, gives in _given(policy):
         for name in sorted(gives) if takes.isdisjoint(gives) else ():
             if close := _resembling(name, takes):
