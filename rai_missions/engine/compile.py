@@ -126,6 +126,8 @@ class CompiledMission:
             if not self._outcomes.isdisjoint(definition.on):
                 transition.outcomes = self._outcomes.intersection(definition.on)
             node.transitions.append(transition)
+            if definition.of is not None:
+                self.nodes[definition.of].of_it.append(transition)
             self.transitions[transition.place] = transition
             node.timed = node.timed or definition.after_s is not None
 

@@ -88,7 +88,7 @@ class CompiledState:
     __slots__ = (
         "activity", "ancestors", "chains", "children", "clocked", "control", "depth", "entry", "exit", "history",
         "index", "initial", "is_compound", "is_each", "is_final", "is_history", "is_parallel", "last", "name",
-        "options", "parent", "place", "requires", "state", "timed", "transitions",
+        "of_it", "options", "parent", "place", "requires", "state", "timed", "transitions",
     )  # fmt: skip
 
     def __init__(self, name: str, place: str, state: State | None, parent: CompiledState | None, index: int) -> None:
@@ -100,6 +100,8 @@ class CompiledState:
         """The index of the last state inside it."""
         self.children: list[CompiledState] = []
         self.transitions: list[CompiledTransition] = []
+        self.of_it: list[CompiledTransition] = []
+        """Those, wherever they are, that name it by `of`."""
         self.chains: dict[Any, tuple[CompiledTransition, ...]] = {}
         """An event, or None for no event → its transitions and its ancestors' that it may fire: see `chain_of`."""
         self.initial: tuple[CompiledState, ...] = ()

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable
 from operator import attrgetter
 from typing import Any
 
@@ -90,16 +89,6 @@ class Configuration:
         self.leaps.clear()
         self.direct.clear()
 
-    def _candidates(self, wanted: Callable[[CompiledTransition], bool]) -> Plan:
-        """For each innermost state its transitions and its ancestors', in the order in which they are tried."""
-        chains = (
-            tuple(
-                transition for each in (node, *node.ancestors) for transition in each.transitions if wanted(transition)
-            )
-            for node in self.atomic
-        )
-        return tuple(chain for chain in chains if chain)
-
     def plan(self, event: str, *, declared: bool) -> Plan:
         """The transitions that an event may fire, a tuple an innermost state, in the order in which they are tried."""
         plan = self.plans[event] = self._chains(event, declared=declared)
@@ -117,17 +106,16 @@ class Configuration:
 
         Once its state was left, only those that name it: they wait for the event, as in SCXML, and not on the state.
         """
-
-        def wanted(transition: CompiledTransition) -> bool:
-            if outcome not in transition.definition.on or outcome not in transition.outcomes:
-                return False
-            if transition.definition.of is not None:
-                return transition.definition.of == source.name
-            if is_late:
-                return False
-            return transition.source is source or (climbs and not option and transition.source in source.ancestors)
-
-        return self._candidates(wanted)
+        owners = () if is_late else (source, *source.ancestors) if climbs and not option else (source,)
+        own = [each for node in owners for each in node.transitions if each.definition.of is None]
+        wanted = {each for each in (*own, *source.of_it) if outcome in each.outcomes}
+        tops = {each.source for each in wanted} & self.nodes
+        atomic = {each for top in tops for each in inside(self.atomic, top) or (top,)}
+        chains = (
+            tuple([each for owner in (node, *node.ancestors) for each in owner.transitions if each in wanted])
+            for node in sorted(atomic, key=_index)
+        )
+        return tuple([chain for chain in chains if chain])
 
 
 def inside(nodes: tuple[CompiledState, ...], domain: CompiledState | None) -> tuple[CompiledState, ...]:

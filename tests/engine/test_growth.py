@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from rai_missions.engine import Chart, macrostep, transitions
+from rai_missions.engine import Chart, configuration, macrostep, transitions
 from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
 
@@ -111,6 +111,7 @@ def lines_of(document: Json, module: ModuleType) -> int:
         (moving, transitions),
         (leaving, transitions),
         (finishing, transitions),
+        (finishing, configuration),
     ],
 )
 def test_twice_as_many_regions_cost_twice_as_much(document: Any, module: ModuleType) -> None:
