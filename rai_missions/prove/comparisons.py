@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from functools import cached_property
+from itertools import permutations
 from typing import Any
 
 from rai_missions.engine.robot_facts import RobotFacts
@@ -75,6 +76,8 @@ class Comparisons:
         self._mission = mission
         self._own: list[tuple[str, Any]] = []
         """Paths, and what each can be by the mission's own doing."""
+        self._brought_as: list[tuple[str, str]] = []
+        """A path that an event, a result or an answer brings, and what it was taken from or is kept under."""
         self._copied: set[str] = set()
         self._sources: set[str] = set()
         self._odd: set[str] = set()
@@ -100,6 +103,7 @@ class Comparisons:
             for status in STATUSES.values():
                 self._constant(node.key, status)
         self._learn_results(mission)
+        self._learn_brought()
         self._spread()
         self._learn_constants()
 
@@ -185,10 +189,9 @@ class Comparisons:
         self.fresh |= {path for path in references(sent) if path.partition(".")[0] in self.keys and "." in path}
 
     def _learn_raised(self, path: str, value: Any) -> None:
-        """What a raised event brings is compared for the key that it was taken from, or is as it was written."""
+        """What a raised event brings is what it was taken from, or as it was written."""
         found = list(references(value))
-        for each in found if path in self.atoms else ():
-            self._join(path, each)
+        self._brought_as += [(path, each) for each in found]
         if not found:
             self._constant(path, value)
         elif isinstance(value, Mapping) and reference_word(value) is None:
@@ -196,14 +199,27 @@ class Comparisons:
                 self._learn_raised(f"{path}.{field}", inner)
 
     def _learn_results(self, mission: Mission) -> None:
-        """A result's field may be read as `event.field` and kept under a key as well."""
-        for _, _, state in mission.walk():
-            for key, field in getattr(state, "result", {}).items():
-                if f"event.{field}" in self.atoms and key in self.atoms:
-                    self._join(key, f"event.{field}")
-        for name, key in self.keys.items():
-            if key.source == "answer" and f"answer.{name}" in self.atoms and name in self.atoms:
-                self._join(name, f"answer.{name}")
+        """A field of a result, and a parameter of an answer, may be read as such and kept under keys as well."""
+        kept: dict[str, set[str]] = {
+            f"answer.{name}": {name} for name, key in self.keys.items() if key.source == "answer"
+        }
+        for each in (*parts(mission, GoalFields), *parts(mission, CallFields)):
+            for key, field in each.result.items():
+                kept.setdefault(f"event.{field}", set()).add(key)
+        for path, keys in kept.items():
+            self._brought_as += [(path, key) for key in keys] + [*permutations(keys, 2)]
+
+    def _learn_brought(self) -> None:
+        """What anybody looks at is compared for all that it is, or is kept under."""
+        while met := {each for each in self._brought_as if self._is_looked_at(each[0])}:
+            self._brought_as = [each for each in self._brought_as if each not in met]
+            for path, other in met:
+                self._join(path, other)
+
+    def _is_looked_at(self, path: str) -> bool:
+        """Whether a guard or a copy names it, or a part of it."""
+        found = (self.atoms, self.near, self.kin, self.fresh)
+        return any(path in each for each in found) or bool(self.within(path))
 
     def _join(self, one: str, other: str) -> None:
         kin = self.kin_of(one) | self.kin_of(other)
@@ -297,7 +313,7 @@ class Comparisons:
         readings = [each for each in kin if each in self.keys and self.keys[each].source == "robot"]
         keys = [self.keys[each] for each in kin if each in self.keys and self.keys[each].type == "pose"]
         measured = [pair for pair in self.measured if kin & {*pair}]
-        if len(readings) != 1 or len(keys) != len(kin) or len({each.frame for each in keys}) != 1:
+        if len(readings) != 1 or len(keys) != len(kin) or {each.frame for each in keys} != self.frames(path):
             return None
         (reading,) = readings
         radii, is_copied = self._radii(path), bool(kin & self._copied)
@@ -339,6 +355,14 @@ class Comparisons:
     def is_goal(self, path: str) -> bool:
         """Whether the value there, or one that it is copied to, is judged as a goal."""
         return not self.judged.keys().isdisjoint(self.kin_of(path))
+
+    def is_pose(self, path: str) -> bool:
+        """Whether guards ask how far the value there, or one that it is copied to, is from another."""
+        return not self.near.keys().isdisjoint(self.kin_of(path))
+
+    def frames(self, path: str) -> frozenset[str]:
+        """The frames in which it or its kin are given, as keys declare them."""
+        return frozenset(self.keys[each].frame for each in self.kin_of(path) if each in self.keys) - {""}
 
     @property
     def goals_change(self) -> bool:

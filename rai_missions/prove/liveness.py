@@ -329,7 +329,7 @@ class LiveReads:
         node = transition.source if definition.of is None else self._graph.nodes[definition.of]
         state, named = node.state, definition.on or ()
         is_plain = written.type in KINDS and not (written.frame or written.fields)
-        if state is None or not (is_plain and named and transition.outcomes.issuperset(named)):
+        if state is None or not (is_plain and named):
             return False
         if root == ANSWER and root not in self._keys:
             return all(_must_bring(state.options.get(each), path, written.type) for each in named)

@@ -71,7 +71,7 @@ class Values:
         """The values of an event's field or an answer's parameter: `event.kind`, `answer.speed`; None first."""
         place = f"?{kind}{path}"
         if place not in self._known:
-            deep = "object" if self.learned.within(path) else ""
+            deep = "pose" if self.learned.is_pose(path) else "object" if self.learned.within(path) else ""
             kinds = [deep or kind] if deep or kind else self.learned.kinds_of(path)
             self._known[place] = (None, *(value for each in kinds for value in self._made(path, each)))
         return self._known[place]
@@ -164,7 +164,7 @@ class Values:
         key = self._keys.get(path)
         if kind == "image":
             yield PICTURE
-        elif kind == "pose":
+        elif kind == "pose" or self.learned.is_pose(path):
             yield from self._poses(path, key)
         elif kind == "list":
             yield from self._lists(path)
@@ -183,13 +183,16 @@ class Values:
     def _poses(self, path: str, key: Key | None) -> Iterator[Any]:
         """One in each ring that guards distinguish around what it may be compared with, and one far from all."""
         learned = self.learned
-        frame = {"frame": key.frame} if key is not None and key.frame else {}
+        frames = sorted(learned.frames(path))
+        frame = {"frame": frames[0]} if frames else {}
         if places := learned.places(path):
             yield from places.poses(path, frame)
             return
         fixed = [each for each in learned.operands(path) if isinstance(each, Mapping)]
         bases = fixed or [{"x": 0.0, "y": 0.0, **frame}]
         radii = sorted({radius for kin in learned.kin_of(path) for radius in learned.near.get(kin, ())})
+        if radii and key is not None and not key.frame:
+            yield {"x": 0.0, "y": 0.0, "frame": OTHER}  # it is in no frame of the mission: no distance is known
         offsets = [0.0, *((low + high) / 2 for low, high in pairwise(radii))]
         offsets += [FAR_M] if radii else []
         if self._is_met(path):

@@ -75,6 +75,7 @@ def test_places_may_have_distances_of_their_own(keys: Json) -> None:
 def test_a_copy_is_asked_for_by_the_distance_of_its_places() -> None:
     keys, do = {"target": KEPT, "home": GIVEN, "shelf": GIVEN}, [{"set": "target", "from": "home"}]
     assert "pose" in proof_of(keys, near("target"), near("shelf", within_m=2), do=do).sampled
+    assert "pose" in proof_of(keys, near("target"), near("home", within_m=2), do=do).sampled
 
 
 def test_a_delivery_between_two_places_is_proved() -> None:
@@ -144,6 +145,7 @@ def test_constants_that_lie_apart_are_near_one_at_a_time() -> None:
     ({"home": GIVEN, "cup": POSE}, (near("home"), near("cup"))),
     ({"home": GIVEN, "shelf": GIVEN}, (near("home"), near("shelf"), {"key": "home.x", ">": 1})),
     ({"home": GIVEN, "named": {**KEPT, "source": "answer"}}, (near("home"), near("named"))),
+    ({"home": {**GIVEN, "frame": ""}, "shelf": GIVEN}, (near("home"), near("shelf"))),
     (dict.fromkeys(("a", "b", "c", "d"), GIVEN), tuple(near(name) for name in ("a", "b", "c", "d"))),
 ])  # fmt: skip
 def test_what_these_places_do_not_represent_is_named(keys: Json, ways: tuple[Json, ...]) -> None:
@@ -159,6 +161,16 @@ def test_a_reading_that_is_kept_or_a_place_that_a_result_brings_is_named() -> No
         "blackboard": {"pose": POSE, "home": GIVEN, "target": KEPT},
         "states": {"here": {**call, "transitions": [{"when": near("home"), "to": "over"},
                                                     {"when": near("target"), "to": "over"}]}, "over": OVER},
+    }))  # fmt: skip
+    assert "pose" in proof.sampled
+
+
+def test_a_place_that_is_an_item_of_a_list_is_named() -> None:
+    inner = {"looking": {"transitions": [{"when": near("stop"), "to": "over"}, {"when": near("home"), "to": "over"}]}}
+    proof = prove(Mission.model_validate({
+        "format": 1, "name": "places", "initial": "here",
+        "blackboard": {"pose": POSE, "home": GIVEN, "stop": KEPT, "stops": {"type": "list", "source": "argument"}},
+        "states": {"here": {"each": "stops", "as": "stop", "initial": "looking", "states": {**inner, "over": OVER}}},
     }))  # fmt: skip
     assert "pose" in proof.sampled
 
@@ -196,3 +208,42 @@ def test_no_run_among_any_places_reaches_what_a_proof_calls_out_of_reach(seed: i
             chart.write("pose", {"x": chance.uniform(-1, 1), "y": chance.uniform(-1, 1), "frame": "map"}, float(second))
             chart.send(Event("look", second + 0.5))
             assert chart.active.isdisjoint(proof.never), (chart.active, proof.never)
+
+
+BROUGHT: tuple[tuple[str, Json], ...] = (
+    ("found.at", {"found": {"type": "object", "source": "robot"}}),
+    ("found.at", {"found": {"type": "object", "source": "robot", "fields": {"at": "object"}}}),
+    ("found", {"found": {"type": "object", "source": "robot"}}),
+    ("event.at", {}),
+)
+"""What may be a pose, and the keys that it takes."""
+
+
+@pytest.mark.parametrize(("place", "keys"), BROUGHT)
+@pytest.mark.parametrize("other", [{"home": GIVEN}, {"home": POSE}, {"home": constant(7.0)}])
+def test_what_is_brought_with_no_frame_declared_can_be_near_and_far(place: str, keys: Json, other: Json) -> None:
+    on: Json = {"on": "seen"} if place.startswith("event") else {}
+    guard = near(place, "home")
+    proof = prove(Mission.model_validate({
+        "format": 1, "name": "places", "initial": "here", "blackboard": {**keys, **other},
+        "events": {"seen": {"fields": {"at": "object"}}},
+        "states": {"here": {"transitions": [{**on, "when": guard, "to": "near"},
+                                            {**on, "when": {"not": guard}, "to": "far"}]},
+                   "near": OVER, "far": OVER},
+    }))  # fmt: skip
+    assert proof.never == ()
+
+
+@pytest.mark.parametrize(("frame", "is_reached"), [({}, True), ({"frame": "map"}, False)])
+def test_poses_of_keys_without_a_frame_may_be_in_different_ones(frame: Json, is_reached: bool) -> None:
+    keys = {
+        "pose": {"type": "pose", "source": "robot", **frame},
+        "home": {"type": "pose", "source": "argument", **frame},
+    }
+    unknown: Json = {"all": [{"possible": near("home")}, {"possible": {"not": near("home")}}]}
+    proof = prove(Mission.model_validate({
+        "format": 1, "name": "places", "initial": "here", "blackboard": keys,
+        "states": {"here": {"transitions": [{"when": unknown, "to": "odd"}, {"after_s": 1, "to": "over"}]},
+                   "odd": OVER, "over": OVER},
+    }))  # fmt: skip
+    assert ("odd" not in proof.never) == is_reached

@@ -282,6 +282,64 @@ def test_what_is_compared_with_an_item_of_a_copied_list_can_be_the_same() -> Non
     assert proof.never == ()
 
 
+A, B = "a", "b"
+WORD, OBJECT = {"type": "string"}, {"type": "object"}
+CALL: Json = {"call": "find", "timeout_s": 5}
+FAILED: Json = {"on": ["failed", "timed_out"], "to": "over"}
+BROUGHT: dict[str, tuple[Json, str, str, dict[str, Json], list[Json]]] = {
+    "a result that is kept": ({"result": {"k": "w"}}, "event.w", "k", {"k": WORD}, []),
+    "a result that is kept and copied": (
+        {"result": {"k": "w"}}, "event.w", "c", {"k": WORD, "c": WORD}, [{"set": "c", "from": "event.w"}]),
+    "an object of a result": ({"result": {"k": "w"}}, "event.w.x", "k.x", {"k": OBJECT}, []),
+    "a result that is kept twice": ({"result": {"k": "w", "c": "w"}}, "k", "c", {"k": WORD, "c": WORD}, []),
+    "an answer that is copied": ({}, "answer.k", "c", {"k": WORD, "c": WORD}, [{"set": "c", "from": "k"}]),
+    "an object of an answer": ({}, "answer.k.x", "k.x", {"k": OBJECT}, []),
+}  # fmt: skip
+"""What is added to a call, two paths of what it or an answer brings, the keys, and what is done with them."""
+
+
+@pytest.mark.parametrize("case", BROUGHT)
+def test_what_is_brought_is_all_that_guards_look_for_wherever_it_is_kept(case: str) -> None:
+    """It is compared as it comes with one word, and later, under a key, with another."""
+    more, first, later, keys, do = BROUGHT[case]
+    if "result" in case:
+        outcome, asked, left = "succeeded", CALL | more, FAILED
+    else:
+        kind = {"type": "object" if keys["k"] == OBJECT else "string"}
+        schema = {"type": "object", "properties": {"k": kind}, "required": ["k"]}
+        options: Json = {"say": {"parameters": schema}, "leave": {}}
+        question = {"question": "which?", "options": options, "ask": ["operator"], "deadline_s": 60}
+        outcome, asked, left = "say", {"decision": question | {"fallback": "leave"}}, {"on": "leave", "to": "over"}
+        keys = keys | {"k": keys["k"] | {"source": "answer"}}
+    proof = prove(Mission.model_validate({
+        "name": "kept", "initial": "asking", "blackboard": keys,
+        "states": {
+            "asking": {**asked, "transitions": [
+                {"on": outcome, "when": {"key": first, "==": A}, "to": "first"},
+                {"on": outcome, "do": do, "to": "judging"}, left]},
+            "judging": {"transitions": [{"when": {"key": later, "==": B}, "to": "second"},
+                                        {"after_s": 1, "to": "over"}]},
+            **dict.fromkeys(("first", "second", "over"), OVER),
+        },
+    }))  # fmt: skip
+    assert proof.never == ()
+
+
+def test_what_is_compared_with_what_an_event_brings_on_can_be_the_same() -> None:
+    proof = prove(Mission.model_validate({
+        "name": "raised", "initial": "here", "events": {"go": {"fields": {"m": "string"}}},
+        "blackboard": {"word": {"type": "string", "source": "robot"}, "draft": WORD, "mode": WORD},
+        "states": {
+            "here": {"entry": [{"set": "draft", "value": A}, {"raise": "go", "data": {"m": {"from": "draft"}}}],
+                     "transitions": [{"on": "go", "to": "judging", "do": [{"set": "mode", "from": "event.m"}]}]},
+            "judging": {"transitions": [{"when": {"key": "word", "==": {"key": "mode"}}, "to": "found"},
+                                        {"after_s": 1, "to": "over"}]},
+            "found": OVER, "over": OVER,
+        },
+    }))  # fmt: skip
+    assert proof.never == ()
+
+
 def test_a_step_that_replaces_a_value_is_made_once_whatever_it_was() -> None:
     """One more value of `last` is one more step that writes it, and none of those that write over it."""
 

@@ -52,6 +52,15 @@ def asking(parameters: Json, **more: Json) -> Json:
     }  # fmt: skip
 
 
+def with_fields(document: Json) -> Json:
+    """The same, where the word is an object of a shape that an answer may not have."""
+    document["blackboard"]["word"] = {"type": "object", "fields": {"n": "string"}}
+    for put in document["states"]["first"]["transitions"]:
+        put["do"] = [{"set": "word", "value": {"n": put["on"]}}]
+    document["states"]["judging"]["transitions"][0]["when"]["key"] = "word.n"
+    return document
+
+
 def reading(*outcomes: str) -> Json:
     """A mission that reads a request, and plans for the goal, where one may be known already."""
     document = moving()
@@ -111,6 +120,7 @@ WRITING: tuple[tuple[Json, str, str, bool], ...] = (
     (asking({**WORD, "properties": {}}), "asking", "word", True),
     (asking({**WORD, "properties": {"word": {"type": ["string", "null"]}}}), "asking", "word", True),
     (asking({**WORD, "properties": {"word": STRING_OR_NUMBER}}), "asking", "word", True),
+    (with_fields(asking({**WORD, "properties": {"word": {"type": "object"}}})), "asking", "word.n", True),
     (reading("succeeded"), "reading_it", "wanted", False),
     (reading("succeeded", "unclear"), "reading_it", "wanted", True),
     (spoiling("state"), "reading_it", "wanted.n", True),
