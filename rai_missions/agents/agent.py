@@ -22,11 +22,12 @@ NOTHING: Mapping[str, str] = {}
 class AgentHealth(NamedTuple):
     """The state of an agent, as its runner publishes it on `/diagnostics`."""
 
-    state: Literal["ready", "running", "ended", "died", "stopped", "hangs"]
-    """`ready` to be run; `ended` by itself, its work done; `died`; `stopped`; `hangs`: it does not do as it was asked.
+    state: Literal["ready", "running", "ended", "failed", "died", "stopped", "hangs"]
+    """`ready` to be run; `ended` by itself, its work done; `failed`: it ended by itself, its work undone; `died`;
+    `stopped`, by its runner or another; `hangs`: it does not do as it was asked.
     """
     why: str = ""
-    """The reason, where it died or hangs; a remark elsewhere."""
+    """The reason of a fault; a remark elsewhere."""
     values: Mapping[str, str] = NOTHING
     """What else a person may want to know, by name."""
 
@@ -34,6 +35,11 @@ class AgentHealth(NamedTuple):
     def lives(self) -> bool:
         """It works, or is about to."""
         return self.state in ("ready", "running")
+
+    @property
+    def is_fault(self) -> bool:
+        """Something is wrong with it."""
+        return self.state in ("failed", "died", "hangs")
 
 
 @runtime_checkable

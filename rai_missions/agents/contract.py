@@ -55,7 +55,7 @@ def _check_health(agent: Agent, act: str) -> None:
     found: list[AgentHealth] = []
     at_once("health", lambda: found.append(agent.health), HEALTH_S)
     (health,) = found
-    assert health.why or health.state not in ("died", "hangs"), f"an agent that {health.state} states why"
+    assert health.why or not health.is_fault, f"an agent that {health.state} states why"
     assert health.state != "hangs", f"after {act}: {health.why}"
     assert act == "run" or health.state != "running", "an agent that was stopped runs no more"
     assert act == "stop" or health.state != "stopped", "an agent that was run is not stopped"

@@ -14,7 +14,7 @@ __all__ = ("DIAGNOSTICS", "DIAGNOSTIC_ARRAY", "ERROR", "OK", "WARN", "diagnostic
 
 OK, WARN, ERROR = 0, 1, 2
 DIAGNOSTICS, DIAGNOSTIC_ARRAY = "/diagnostics", "diagnostic_msgs/msg/DiagnosticArray"
-LEVELS = {"ready": OK, "running": OK, "ended": OK, "stopped": WARN, "died": ERROR, "hangs": ERROR}
+LEVELS = {"ready": OK, "running": OK, "ended": OK, "stopped": WARN, "failed": ERROR, "died": ERROR, "hangs": ERROR}
 LONGEST = 300
 
 

@@ -16,9 +16,13 @@ from rai_missions.redaction import cut, shown
 
 __all__ = ("ProcessAgent",)
 
-MOST_LINES = 20
+MOST_LINES, LONGEST_LINE = 20, 4096
+"""Of its stderr: the last lines, and the characters with which each begins."""
 CLOSES_S = 1.5
 """What is left after a program's time to end: it is killed, and its last lines are read."""
+
+END_SIGNALS = frozenset({signal.SIGTERM, signal.SIGINT, signal.SIGHUP})
+"""What asks a program to end; a shell adds 128 to the number of one that has ended it."""
 
 
 class ProcessAgent:
@@ -97,7 +101,10 @@ class ProcessAgent:
 
     @property
     def health(self) -> AgentHealth:
-        """How it fares; died, where it ended by itself with another status than 0."""
+        """How it fares; failed, where it ended by itself with another status than 0, and died, where a signal ended it.
+
+        Signals that ask a program to end, and the exit status that shells give for them, are a stop by another.
+        """
         process = self._process
         if process is None:
             return AgentHealth("ready")
@@ -111,10 +118,13 @@ class ProcessAgent:
         if status == 0:
             return AgentHealth("ended", "", values)
         how = f"ended by {signal.Signals(-status).name}" if status < 0 else f"exit status {status}"
+        if (-status if status < 0 else status - 128) in END_SIGNALS:
+            return AgentHealth("stopped", how, values)
         if self._reader is not None:
             self._reader.join(0.2)
         last = next((line for line in reversed(self._lines) if line.strip()), "")
-        return AgentHealth("died", f"{how}: {cut(last.strip(), 200)}" if last else how, values)
+        why = f"{how}: {cut(last.strip(), 200)}" if last else how
+        return AgentHealth("died" if status < 0 else "failed", why, values)
 
     def _clean_up(self) -> None:
         """End what is left of its session, once and as soon as its end is known: the number may be another's later."""
@@ -126,5 +136,8 @@ class ProcessAgent:
     def _read(self, process: subprocess.Popen[str]) -> None:
         assert process.stderr is not None
         with process.stderr:
-            for line in process.stderr:
-                self._lines.append(line)
+            is_begun = False  # a program that never ends its line is not kept whole
+            while piece := process.stderr.readline(LONGEST_LINE):
+                if not is_begun:
+                    self._lines.append(piece)
+                is_begun = not piece.endswith("\n")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Several agents as one: started in order, stopped in reverse, each named with its reason where it dies or hangs.
+"""Several agents as one: started in order, stopped in reverse, each fault named with its reason.
 
 Rule: no agent waits for another. One that dies, hangs or raises takes no other with it.
 """
@@ -78,7 +78,7 @@ class AgentRunner:
     def health(self) -> AgentHealth:
         """How they fare together: as the worst of them."""
         found = self.agents
-        bad = [f"{name}: {each.state}, {each.why}" for name, each in found.items() if each.state in ("died", "hangs")]
+        bad = [f"{name}: {each.state}, {each.why}" for name, each in found.items() if each.is_fault]
         if not self._is_running:
             return AgentHealth("stopped" if self._last else "ready", "; ".join(bad))
         return AgentHealth("running" if any(each.lives for each in found.values()) else "ended", "; ".join(bad))
@@ -155,7 +155,7 @@ class AgentRunner:
         """Run until a signal comes, `leave` is called, or no agent lives; then stop all.
 
         Returns:
-            The exit status: 1 where an agent died or hangs.
+            The exit status: 1 where an agent failed, died or hangs.
         """
         with on_signals(lambda *_: self.leave()):
             self.run()
@@ -163,7 +163,7 @@ class AgentRunner:
                 self._changed.wait(LOOKS_S)
                 self._changed.clear()
             self.stop()
-        return int(any(each.state in ("died", "hangs") for each in self.agents.values()))
+        return int(any(each.is_fault for each in self.agents.values()))
 
     def _look(self) -> None:
         for each in self._watched:
@@ -175,7 +175,7 @@ class AgentRunner:
         """Log what has become worse, and publish how they fare."""
         found, before = self.agents, self._last
         for name, health in found.items():
-            if health.state in ("died", "hangs") and before.get(name) != health:
+            if health.is_fault and before.get(name) != health:
                 log.error("%s %s: %s", name, health.state, health.why)
         self._last, self._reported_at = found, time.monotonic()
         self._changed.set()

@@ -102,7 +102,9 @@ class WatchedAgent:
         self._is_given_up = failure is not None and failure.state == "hangs" and time.monotonic() < until
         if self._is_given_up and before.state == "running":
             failure = AgentHealth("stopped", "it was not waited for to the end")
-        elif self._is_given_up or (failure is not None and failure.state == before.state == "died"):
+        elif self._is_given_up or (
+            failure is not None and before.state in ("failed", "died") and failure.state == "died"
+        ):
             failure = None
         has_begun_late = before.state == "hangs" and failure is None and self._returns(until, leaving)
         is_stopped = before.state == "running" or has_begun_late

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 import re
+import resource
 import signal
 import subprocess
 import sys
@@ -115,7 +116,7 @@ def test_one_that_dies_is_named_with_its_reason_and_takes_no_other_with_it(troup
     for words in (
         "0_refuses died: run raised ValueError: no stage",
         "1_dies died: stage fright",
-        "2_crashes died: exit status 1: the lights went out",
+        "2_crashes failed: exit status 1: the lights went out",
         "3_never_begins hangs: run has not returned within",
         "5_plain: running",
     ):
@@ -334,7 +335,8 @@ def test_what_an_agent_states_of_itself_harms_no_other(tmp_path: Path) -> None:
     inbox.wait(lambda all_: any(levels(each).get("agents: flies") == 2 for each in all_), "all are still published")
     assert runner.agents["none"] == AgentHealth(
         "died",
-        "it reports None; health is an AgentHealth whose state is one of ready, running, ended, died, stopped, hangs",
+        "it reports None; health is an AgentHealth whose state is one of "
+        "ready, running, ended, failed, died, stopped, hangs",
     )
     assert runner.agents["leaves"] == AgentHealth("died", "it cannot report how it fares: SystemExit: 3")
     runner.stop()
@@ -429,6 +431,39 @@ class Ending:
             self.runner[0].stop()
         if self.kind == "returns late":
             threading.Timer(0.1, self.may_return.set).start()
+
+
+PATIENT_S = 20.0
+
+
+@pytest.mark.parametrize(
+    ("script", "health"),
+    [
+        ("exit 0", ("ended", "")),
+        ("echo canceling >&2; exit 1", ("failed", "exit status 1: canceling")),
+        ("kill -KILL $$", ("died", "ended by SIGKILL")),
+        ("kill -TERM $$", ("stopped", "ended by SIGTERM")),
+        ("exit 129", ("stopped", "exit status 129")),
+        ("exit 130", ("stopped", "exit status 130")),
+    ],
+)
+def test_a_program_that_ends_by_itself_is_named_by_how_it_did(script: str, health: tuple[str, str]) -> None:
+    agent = ProcessAgent(["sh", "-c", script])
+    agent.run()
+    assert wait_until(lambda: agent.health.state != "running", PATIENT_S)
+    assert agent.health[:2] == health
+    runner = AgentRunner({"program": ProcessAgent(["sh", "-c", script])})
+    assert runner.serve() == runner.agents["program"].is_fault
+    assert (runner.agents["program"].state, runner.agents["program"].why) == health
+
+
+def test_of_a_line_without_an_end_its_beginning_is_kept_alone() -> None:
+    agent = ProcessAgent(["sh", "-c", "printf 'no light ' >&2; head -c 100000000 /dev/zero | tr '\\0' x >&2; exit 3"])
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    agent.run()
+    assert wait_until(lambda: agent.health.state != "running", PATIENT_S)
+    assert agent.health.why.startswith("exit status 3: no light xxx") and len(agent.health.why) < 250
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 50_000, "kB"
 
 
 @pytest.mark.parametrize("kind", ["run stops", "stop stops", "returns late"])
