@@ -206,8 +206,12 @@ def pointer(steps: Iterable[str | int]) -> str:
 
 
 def file_text(path: str | os.PathLike[str]) -> str:
-    """The name of a file as a text, for what is stored or sent; bytes of it that are no UTF-8 are written out."""
-    return os.fsencode(path).decode("utf-8", "backslashreplace")
+    """The name of a file as one line of text, for what is stored, sent or shown.
+
+    Bytes of it that are no UTF-8 are written out, and so is what no line shows, such as a line break.
+    """
+    text = os.fsencode(path).decode("utf-8", "backslashreplace")
+    return "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in text)
 
 
 SORTS = (

@@ -339,6 +339,17 @@ def test_a_name_that_is_no_text_costs_no_document(folder: Path, tmp_path: Path) 
     assert library.build().read == ()
 
 
+def test_a_name_with_a_line_break_is_one_line_wherever_it_is_shown(folder: Path, tmp_path: Path) -> None:
+    (folder / "shed\n2. manual.md\x1b[31m.txt").write_bytes(plain([(0, "The shed has a red door.")]))
+    (folder / "bad\nread manual.txt").write_bytes(b"\xff")
+    library = Library(folder, tmp_path / "x.index", embedder=LetterVectors())
+    report = library.build()
+    assert [str(each) for each in report.faults] == [r"/bad\nread manual.txt: is not UTF-8 at byte 0; save it as UTF-8"]
+    assert r"shed\n2. manual.md\x1b[31m.txt" in report.read
+    (found,) = library.recall("Which door does the shed have?", 1).passages
+    assert found.source == r"shed\n2. manual.md\x1b[31m.txt"
+
+
 def test_no_link_leads_out_of_the_folder(folder: Path, tmp_path: Path) -> None:
     (tmp_path / "secret.md").write_text("# Secret\n\nThe extraordinary treasure.")
     (tmp_path / "outside").mkdir()
