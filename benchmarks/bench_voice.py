@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Speech, end to end: orders in noise, orders that are none, words, wake words, echo, barge-in and delays.
 
-`python -m benchmarks.bench_voice [SECTION …] [--scale N]`; the sections are orders, false, words, wake, alarms, echo,
-barge, delay. All speech is made here by flite; what is measured goes through frames, processes and turns as on a robot,
-but for wake words, which are looked for in this process. A long run is made in pieces: `WINDOWS` for `false`, `HOURS`
-and a `SEED` each for `alarms`.
+`python -m benchmarks.bench_voice [SECTION …] [--scale N]`; the sections are orders, false, words, wake, called, alarms,
+echo, barge, delay. All speech is made here by flite; what is measured goes through frames, processes and turns as on a
+robot, but for the words of `wake` and `alarms`, which are looked for in this process. A long run is made in pieces:
+`WINDOWS` for `false`, `HOURS` and a `SEED` each for `alarms`.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ LEVELS = tuple(int(each) for each in os.environ.get("DB", "40 20 10").split())
 FIRST, LAST = (int(each) for each in os.environ.get("WINDOWS", "0 1000000").split())
 """Which windows of read text and of noise are transcribed: parts of a long run, one after the other."""
 WORDS = tuple(os.environ.get("WORDS", " ".join(WAKE_WORDS)).split())
-"""The wake words of `wake` and `alarms`."""
+"""The wake words of `wake`, `called` and `alarms`."""
 HOURS = float(os.environ.get("HOURS", "0.1"))
 """Of sound without a wake word, for `alarms`."""
 NOISE_SHARE, MUSIC_SHARE = 0.05, 0.05
@@ -84,6 +84,7 @@ class Bench:
         self.found: list[Transcript] = []
         self.present: list[float] = []
         names = names or ListenNames(RECOGNISER)
+        self.settings = ListenSettings(needs_wake_word=bool(names.wake_word))
         self.recognition = open_recognition(names, ListenSettings(), on_transcript=self.found.append)
         self.recognition.wait_ready()
 
@@ -91,7 +92,10 @@ class Bench:
         self.found.clear()
         self.present.clear()
         listener = SpeechListener(
-            *self.recognition.processes, on_transcript=self.found.append, on_present=self.present.append
+            *self.recognition.processes,
+            settings=self.settings,
+            on_transcript=self.found.append,
+            on_present=self.present.append,
         )
         sound.listen(listener.take)
         sound.start()
@@ -323,11 +327,33 @@ class WakeLook:
         return found
 
 
+def spoken_word(name: str) -> str:
+    """A wake word as a voice reads it."""
+    return name.replace("_", " ").replace("nabu", "nah boo").capitalize()
+
+
+def called(_: Bench, scale: int) -> None:
+    """Orders in one breath with a wake word, and the word alone, which is no sentence."""
+    random = np.random.default_rng(SEED + 7)
+    for name in WORDS:
+        bench = Bench(ListenNames(RECOGNISER, wake_word=name))
+        for db in LEVELS:
+            counts, alone = Counter[str](), list[str]()
+            for phrase, speaker in (*product(("pause the mission", "cancel the mission"), SPEAKERS),) * scale:
+                sound = mixed(speech(f"{spoken_word(name)}, {phrase}.", speaker), db, "pink", random)
+                effects = [effect(each, RUNNING) for each in bench.of(FileSound(sound))]
+                counts[next(filter(None, effects), "-")] += 1
+                sound = mixed(speech(f"{spoken_word(name)}.", speaker), db, "pink", random)
+                alone += [each.text for each in bench.of(FileSound(sound))]
+            print(f"  {name}, {db} dB pink: {dict(counts)}; alone: {len(alone)} sentences {alone}", flush=True)
+        bench.close()
+
+
 def wake(_: Bench, scale: int) -> None:
     """Wake words that are spoken: alone, and with an order behind them."""
     random, look = np.random.default_rng(SEED + 3), WakeLook(WORDS)
     for name in WORDS:
-        spoken = name.replace("_", " ").replace("nabu", "nah boo").capitalize()
+        spoken = spoken_word(name)
         for behind in (".", ", pause the mission."):
             hits, by = Counter[str](), Counter[str]()
             cases = [(db, kind, speaker) for db in LEVELS for kind in ("white", "pink") for speaker in SPEAKERS] * scale
@@ -501,6 +527,7 @@ SECTIONS: dict[str, Callable[[Bench, int], None]] = {
     "false": false_orders,
     "words": words,
     "wake": wake,
+    "called": called,
     "alarms": alarms,
     "echo": echo,
     "barge": barge,

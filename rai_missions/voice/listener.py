@@ -154,6 +154,8 @@ class SpeechListener:
         self._turns: dict[int, OpenTurn] = {}
         self._woken_until = self._passed_until = -1.0
         """Until when a turn may begin after the wake word, and after a turn that passed."""
+        self._is_waking = False
+        """The last frame had the wake word, which lasts some frames."""
         self._pending = 0
         self._until = 0.0
         """The end of the last frame."""
@@ -212,10 +214,14 @@ class SpeechListener:
         except (Broken, KeyError, TypeError, ValueError):
             log.warning("the ear sent what is no frame")
             return
-        if wake >= WAKE_CUTOFF:
-            self._woken_until = frame.at + AWAKE_S
+        was_waking, self._is_waking = self._is_waking, wake >= WAKE_CUTOFF
         for event in self._detector.take(TurnFrame(frame.at, speech, clear, quiet)):
             self._turn_event(event)
+        if self._is_waking:
+            self._woken_until = frame.at + AWAKE_S
+        if self._is_waking and not was_waking:  # what comes first in the sentence was for others, or is the word itself
+            for event in self._detector.begin_again():
+                self._turn_event(event)
 
     def _end_turn(self) -> None:
         for event in self._detector.end():
@@ -223,7 +229,8 @@ class SpeechListener:
 
     def _turn_event(self, event: TurnEvent) -> None:
         if event.kind == "began":
-            self._turns[event.number] = OpenTurn(event.at)
+            turn = self._turns.setdefault(event.number, OpenTurn(event.at))
+            turn.began = event.at
         elif event.kind == "present":
             self._on_present(event.at)
         elif event.kind == "offered":

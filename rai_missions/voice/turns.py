@@ -16,8 +16,9 @@ from rai_missions.connectors.sound.connector import FRAME_S
 __all__ = ("TurnDetector", "TurnEvent", "TurnFrame", "TurnSettings")
 
 TurnEventKind = Literal["began", "present", "offered", "settled", "void", "ended"]
-"""`present`: surely a person; again where they speak on after an offer has settled. `offered`: to be transcribed.
-`settled`: what was offered counts, if it is a phrase that counts at once. `void`: what was offered."""
+"""`began`: again where `begin_again` shortens it. `present`: surely a person; again where they speak on after an offer
+has settled. `offered`: to be transcribed. `settled`: what was offered counts, if it is a phrase that counts at once.
+`void`: what was offered."""
 WINDOW = 6
 """The last frames, of which some must be speech."""
 
@@ -109,6 +110,16 @@ class TurnDetector:
         """What was offered is a closed word: its turn ends sooner, if it is still the one on offer."""
         if self._is_offered and (number, offer) == (self._number, self._offers):
             self._is_short = True
+
+    def begin_again(self) -> tuple[TurnEvent, ...]:
+        """A turn that is open begins with the last frame: what was before it counts for nothing."""
+        if not self._turn:
+            return ()
+        last = self._turn[-1]
+        self._turn = [last]
+        found = [self._event("void", last)] if self._is_offered else []
+        self._is_offered = self._is_settled = self._is_short = False
+        return (*found, self._event("began", last))
 
     def take(self, frame: TurnFrame) -> tuple[TurnEvent, ...]:
         """The next frame; what it shows, and a gap before it."""

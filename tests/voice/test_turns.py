@@ -141,6 +141,25 @@ def test_frames_that_are_missing_are_quiet_so_what_follows_a_gap_is_another_turn
     assert [each.kind for each in found] == [each.kind for each in alone]
 
 
+@given(PROBABILITIES, PROBABILITIES)
+def test_a_turn_that_begins_again_has_the_sound_from_then_on_and_its_offers_before_are_void(
+    before: list[float], after: list[float]
+) -> None:
+    detector, found = TurnDetector(), list[TurnEvent]()
+    for count, speech in enumerate(before):
+        found += detector.take(TurnFrame(count * FRAME_S, speech, b"b", b""))
+    was_open, last = detector.is_open, found[-1].number if found else 0
+    found += detector.begin_again()
+    for count, speech in enumerate(after, start=len(before)):
+        found += detector.take(TurnFrame(count * FRAME_S, speech, b"a", b""))
+    found += detector.end()
+    again = [event for event in found if event.number == last] if was_open else []
+    assert not again or [each.kind for each in again].count("began") == 2
+    sounds = {event.offer: event.clear for event in again if event.kind == "offered"}
+    assert {event.offer for event in again if event.kind == "void"} == {*sounds} - {max(sounds, default=0)}
+    assert not again or sounds[max(sounds)] in (b"b" + b"a" * count for count in range(len(after) + 1))
+
+
 def test_a_person_who_never_pauses_is_transcribed_after_14_s() -> None:
     found = events([0.9] * 1000, end=False)
     assert found[0].kind == "began"
