@@ -9,12 +9,12 @@ long as the phrase can. The second agrees where it holds the phrase for one of t
 
 A phrase that a trained network holds for far more probable than none counts as well, with the second's vote added,
 where the first has evidence for it. Another phrase that the two read must have less of both. The first and the network
-agree on it then.
+agree on it then. One that the network holds for far less probable than none is none, but for what was read freely.
 
 Another phrase for which both have evidence, or the first has more, may have been meant as well, and is a reading, too:
 "start the mission" is nearer to "pause the mission" by some voices. Which is meant is decided where orders are judged.
 
-Rule: the others can vote and agree, and no more: a phrase for which the first has no evidence never counts.
+Rule: the others can vote, agree and refuse, and no more: a phrase for which the first has no evidence never counts.
 """
 
 from __future__ import annotations
@@ -44,6 +44,9 @@ LEAST_STOP, LEAST_STOP_FIRST = 2.4, 1.0
 In loud noise "pause" is often as near to it: where that is not enough and "stop" is next, the first's own counts."""
 LEAST_FIRST_OF_ANY = min(LEAST_FIRST, LEAST_STOP_FIRST)
 """With less of the first's own, no phrase counts, unless the network has the odds for it."""
+LEAST_ODDS_OF_TWO = -2.5
+"""With less odds, a phrase that has the evidence of the two is none, unless it was read freely: what is spoken as a
+phrase has seldom less than 0, other speech that is like it -4. "stop" is, which the network knows less well."""
 LEAST_ODDS, LEAST_ODDS_LEAD, LEAST_FIRST_AT_ODDS = 2.75, 1.0, 0.0
 """From which odds on, with the second's vote, a phrase counts, in nats; how much more they must be than those of
 another phrase that was read; what the first's own must come to then."""
@@ -107,6 +110,8 @@ def fused(
         odds: Those of a network; see `Reading.odds`.
     """
     found = _of_two(text, first, second, phrases, spoken_s, guesses)
+    if found.text not in (STOP, _plain(text)) and odds.get(found.text, 0.0) < LEAST_ODDS_OF_TWO:
+        found = _freely(text)
     chances = {each: value + second.get(each, 0.0) for each, value in odds.items() if each in first}
     best = max(chances, key=chances.__getitem__, default="")
     if not best or chances[best] < LEAST_ODDS or first[best] < LEAST_FIRST_AT_ODDS:
@@ -138,9 +143,12 @@ def _of_two(
         bound = first.get(phrase, MOST)
         others = tuple(each for each in first if each != phrase and first[each] > (0.0 if each in second else bound))
         return FusedTurn(phrase, (phrase,) * (2 if phrase in second else 1) + others * 2)
-    if phrase == plain:
-        return FusedTurn("")
-    return FusedTurn(text, (text,)) if plain else FusedTurn("")
+    return FusedTurn("") if phrase == plain else _freely(text)
+
+
+def _freely(text: str) -> FusedTurn:
+    """What the first recogniser reads freely, as no phrase."""
+    return FusedTurn(text, (text,)) if _plain(text) else FusedTurn("")
 
 
 def _is_denied(phrase: str, second: Mapping[str, float]) -> bool:

@@ -11,6 +11,7 @@ from rai_missions.voice.fusion import (
     LEAST_FIRST_AT_ODDS,
     LEAST_ODDS,
     LEAST_ODDS_LEAD,
+    LEAST_ODDS_OF_TWO,
     LEAST_STOP,
     evidence_in,
     fused,
@@ -223,11 +224,27 @@ def test_what_a_recogniser_sends_as_guesses_is_texts_with_their_log_probability(
 TURNS = st.tuples(st.sampled_from(["", "the panel", "Yes.", "stop it"]), evidence, votes)
 
 
+def refusals(odds: dict[str, float]) -> dict[str, float]:
+    """Odds that can refuse a phrase and make none."""
+    return {each: min(0.0, value) for each, value in odds.items()}
+
+
+@given(TURNS, st.floats(-20.0, LEAST_ODDS_OF_TWO, exclude_max=True))
+def test_a_phrase_that_the_network_refuses_counts_only_where_it_is_stop_or_read_freely(
+    turn: tuple[str, dict[str, float], dict[str, float]], odds: float
+) -> None:
+    alone, found = fused(*turn, PHRASES), fused(*turn, PHRASES, None, {}, dict.fromkeys(PHRASES, odds))
+    text = turn[0]
+    is_refused = alone.text in ("cancel the mission", "resume the mission") or (alone.text == "yes" and text != "Yes.")
+    assert found == ((text, (text,) * bool(text)) if is_refused else alone)
+
+
 @given(TURNS, evidence, st.none() | st.floats(0.0, 4.0))
 def test_the_odds_of_a_network_and_the_votes_make_a_phrase_of_what_the_first_has_evidence_for(
     turn: tuple[str, dict[str, float], dict[str, float]], odds: dict[str, float], spoken_s: float | None
 ) -> None:
-    alone, found = fused(*turn, PHRASES, spoken_s), fused(*turn, PHRASES, spoken_s, {}, odds)
+    alone = fused(*turn, PHRASES, spoken_s, {}, refusals(odds))
+    found = fused(*turn, PHRASES, spoken_s, {}, odds)
     _, first, second = turn
     chances = {each: odds[each] + second.get(each, 0.0) for each in odds if each in first}
     best = max(chances, key=lambda each: chances[each], default="")
@@ -246,12 +263,12 @@ def test_the_odds_alone_make_no_phrase_for_which_the_first_has_no_evidence(
 ) -> None:
     text, first, second = turn
     first = {each: value for each, value in first.items() if each != phrase} | {phrase: -1.0}
-    alone = fused(text, first, second, PHRASES)
+    alone = fused(text, first, second, PHRASES, None, {}, refusals(odds) | {phrase: 0.0})
     if alone.text != phrase:
         assert fused(text, first, second, PHRASES, None, {}, odds | {phrase: 29.0}) == alone
 
 
-@given(TURNS, st.dictionaries(st.sampled_from(PHRASES), st.floats(-20.0, LEAST_ODDS, exclude_max=True)))
+@given(TURNS, st.dictionaries(st.sampled_from(PHRASES), st.floats(LEAST_ODDS_OF_TWO, LEAST_ODDS, exclude_max=True)))
 def test_small_odds_change_nothing(
     turn: tuple[str, dict[str, float], dict[str, float]], odds: dict[str, float]
 ) -> None:
