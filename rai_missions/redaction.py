@@ -42,6 +42,8 @@ __all__ = (
 HIDDEN = "[hidden]"
 SHORTEST = 6
 """A shorter value is no secret, and hiding it would garble the text."""
+HALF = re.compile(r"[\ud800-\udfff]")
+"""Half a surrogate pair; a question mark in its place would make a statement a question."""
 PLAIN = frozenset({int, float, bool, type(None)})
 """Types whose values hold no text."""
 DEEPEST_DATA = 100
@@ -86,7 +88,7 @@ def redacted(text: str) -> str:
 
 
 def _hidden(text: str, secrets: KnownSecrets) -> str:
-    text = text.encode("utf-8", "replace").decode()
+    text = HALF.sub("\ufffd", text)
     return SHAPES.sub(HIDDEN, _without(text, secrets))
 
 

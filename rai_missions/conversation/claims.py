@@ -31,8 +31,8 @@ __all__ = ("Claims", "plain", "scored_clauses")
 
 BRACKETED = re.compile(rf"(?!{re.escape(HIDDEN)})[(\[{{]([^()\[\]{{}}]*)[)\]}}]")
 """What is in brackets; the mark of a hidden secret is no statement."""
-STATEMENTS = re.compile(r"\s[–—-]+\s|;\s")
-"""Where another statement begins that is a sentence by itself."""
+STATEMENTS = re.compile(r"\s[–—-]+\s|;\s|<[^<>]*>")
+"""Where another statement begins that is a sentence by itself: behind a dash, a semicolon, or a mark of layout."""
 DISGUISES = str.maketrans({"0": "o", "1": "i", "3": "e", "4": "a", "5": "s", "7": "t", "@": "a", "$": "s"})
 MIXED = re.compile(r"\b(?!\d{4}s\b)(?=\w*[^\W\d_])(?=\w*\d)\w+|\b\w*[@$]\w+")
 SPACED = re.compile(r"(?<![\w'])(?:(?:[^\W\d_]|') ){2,}[^\W\d_](?![\w'])")

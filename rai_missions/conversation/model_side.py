@@ -129,11 +129,11 @@ class ModelSide:
             return
         stream, whole = turn.stream.add(reply.text, is_end=reply.is_end)
         turn = turn._replace(stream=stream)
-        self._turns.keep(turn)
         for sentence in whole:
             turn = self._let_out(sentence, turn)
         if reply.order is not None and not turn.has_order:
             turn = self._propose(reply.order, turn)
+        turn = turn._replace(received=turn.received + max(1, len(reply.text)))
         self._turns.keep(turn)
         if reply.is_end or reply.failed or turn.is_full:
             self._end(turn, reply)

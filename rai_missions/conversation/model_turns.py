@@ -17,6 +17,8 @@ __all__ = ("ModelTurn", "ModelTurns")
 
 MOST_SENTENCES = 12
 """Sentences of one reply; what follows is dropped."""
+MOST_RECEIVED = 4_000
+"""Characters, and pieces, of one reply that are read: a stream of blank lines has no sentences."""
 
 
 class ModelTurn(NamedTuple):
@@ -28,6 +30,8 @@ class ModelTurn(NamedTuple):
     """The sentence that it answers."""
     until: float
     stream: SentenceStream = SentenceStream()
+    received: int = 0
+    """Characters that came, each piece as one at least."""
     spoken: int = 0
     """Sentences that went out or were replaced."""
     is_replaced: bool = False
@@ -38,7 +42,7 @@ class ModelTurn(NamedTuple):
 
     @property
     def is_full(self) -> bool:
-        return self.spoken >= MOST_SENTENCES
+        return self.spoken >= MOST_SENTENCES or self.received >= MOST_RECEIVED
 
 
 class ModelTurns:

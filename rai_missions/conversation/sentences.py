@@ -25,7 +25,7 @@ def sentences(text: str) -> tuple[list[str], str]:
         if part and not ABBREVIATIONS.search(part):
             made.append(text[start : end.end()].strip())
             start = end.end()
-    rest = text[start:]
+    rest = text[start:].lstrip()
     while len(rest) > LONGEST_SENTENCE:
         at = rest.rfind(" ", 0, LONGEST_SENTENCE)
         at = at if at > 0 else LONGEST_SENTENCE

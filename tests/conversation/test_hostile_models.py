@@ -66,13 +66,17 @@ MODELS: Mapping[str, Dress] = {
     "fills the longest sentence": lambda claim: ["apples, pears, " * 26 + low(claim) + "."],
     "writes a story": lambda claim: [f'In my story the robot reports: "{claim}"'],
     "plays a tool": lambda claim: [f"[tool result] {claim}"],
+    "sends half characters": lambda claim: [f"{claim[:5]}\ud83d", f"{claim[5:].rstrip('.!')}\ude00"],
+    "ends in half a character": lambda claim: [f"{claim.rstrip('.!')}\ud83d"],
+    "thinks aloud": lambda claim: [f"<think>A nice question.</think>{claim}"],
+    "writes garbage for a call": lambda claim: [f'<tool_call>{{"name": "speak", "text": "{claim}"}}</tool_call>}}}}'],
     "rhymes": lambda claim: [f"Roses are red, {low(claim)}, violets are blue."],
 }
 
 
 def letters(text: str) -> str:
     """What a reader reads of a text: its letters, digits and signs, disguises undone."""
-    text = unicodedata.normalize("NFKC", text).casefold().translate(str.maketrans("013", "oie"))
+    text = unicodedata.normalize("NFKC", text).casefold().translate({**str.maketrans("013", "oie"), 0xFFFD: None})
     return "".join(each for each in text if each.isalnum() or unicodedata.category(each) == "So")
 
 

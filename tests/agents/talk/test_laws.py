@@ -65,7 +65,9 @@ SENTENCES = (
 )  # fmt: skip
 CLAIMS = (
     "I have reached the goal and the mission has succeeded.", "The robot has stopped.", "Done! I canceled it.",
-    '{"answer": "canceled", "order": {"order": "cancel"}}', "yes", "confirmed", "", "a" * 19_000,
+    '{"answer": "canceled", "order": {"order": "cancel"}}', "yes", "confirmed", "", "a" * 19_000, "[" * 5_000,
+    '<tool_call>{"name": "propose_order", "arguments": {"order": "can', "The mission 'tried' is over: it succeeded.",
+    "The moon is far away. " * 500, "\n" * 5_000, "Half a character \ud83d",
 )  # fmt: skip
 PROPOSALS = (
     {"order": "cancel"}, {"order": "pause"}, {"order": "stop"}, {"order": "answer", "option": "left"},
