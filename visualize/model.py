@@ -168,14 +168,6 @@ class Picture:
     notes: tuple[str, ...] = ()
     """What a reader must not miss, above the picture."""
 
-    def node(self, name: str) -> PictureNode:
-        """The node of a state.
-
-        Raises:
-            KeyError: There is none.
-        """
-        return self.by_name[name]
-
     @cached_property
     def by_name(self) -> Mapping[str, PictureNode]:
         """The nodes by their names."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+from rai_missions.errors import pointer
 from rai_missions.mission.mission import Mission
 from rai_missions.states import Default, State
 from rai_missions.states.control import CONTROLLERS
@@ -22,7 +23,7 @@ __all__ = ("canceled", "child_pointer", "choices", "controlled", "effects", "tri
 
 def child_pointer(place: str, *steps: str) -> str:
     """A JSON pointer (RFC 6901) some steps further."""
-    return "".join((place, *(f"/{step.replace('~', '~0').replace('/', '~1')}" for step in steps)))
+    return place + pointer(steps)
 
 
 def trigger(transition: Transition) -> str:
@@ -81,10 +82,10 @@ def twigs(state: State, place: str) -> Iterator[Twig]:
     above: dict[str, tuple[str, str, int]] = {}
     for path, node in state.nodes().items():
         branches = tuple(node.branches())
-        for number, (pointer, _) in enumerate(branches, 1):
-            branch = pointer.partition("/")[2] if pointer.startswith("then/") else ""
+        for number, (branch_path, _) in enumerate(branches, 1):
+            branch = branch_path.partition("/")[2] if branch_path.startswith("then/") else ""
             ordered = number if len(branches) > 1 and not branch else 0
-            above[f"{path}/{pointer}".lstrip("/")] = (path, branch, ordered)
+            above[f"{path}/{branch_path}".lstrip("/")] = (path, branch, ordered)
         parent, branch, number = above.get(path, (None, "", 0))
         asked, here = node.question(), place + state.within(f"#{path}")
         offered = choices(asked, f"{here}/decision") if asked else ()

@@ -19,7 +19,7 @@ from rai_missions.engine.step import Cause
 from rai_missions.engine.timers import begins_at, late_s, now_of
 from rai_missions.engine.waiting import drop_reports
 from rai_missions.guards.view import Operand, Site
-from rai_missions.keys import type_error
+from rai_missions.keys import stale_at, type_error
 from rai_missions.states.compound import Each
 from rai_missions.states.final import Final, FinalOutcome, worst
 
@@ -234,10 +234,10 @@ def _falls_short(program: Program, state: RunState, condition: CompiledGuard) ->
 
 
 def _age(program: Program, state: RunState, key: str) -> str:
-    entry, written = state.board.get(key), program.keys.get(key)
+    entry = state.board.get(key)
     if entry is None:
         return f"{key} was never heard"
-    is_stale = written is not None and written.max_age_s is not None and state.at >= entry.at + written.max_age_s
+    is_stale = state.at >= stale_at(program.keys.get(key), entry)
     return f"{key} is {state.at - entry.at:.1f} s old" if is_stale else ""
 
 

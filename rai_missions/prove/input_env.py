@@ -229,7 +229,7 @@ class InputEnvironment:
             words = f"{answer}: {offer.name}"
             yield Stimulus(words, "answer", self._option(number, who, owner, offer), number)
         empty: tuple[tuple[str, dict[str, Any]], ...] = (("nonsense", {"option": "?"}),)
-        if not is_bounded:  # else nonsense, absence and silence all have it asked again; see `remembered.rested`
+        if not is_bounded:  # else nonsense, absence and silence all have it asked again; see `activity_key.rested`
             empty += (("nothing, being absent", {"absent": "not here"}),)
         for last_event, data in empty:
             event = Event(who, NOW, data, "proposal", number)

@@ -230,7 +230,7 @@ class OpenBoard(AskedBoard):
             self.counted.add((key, found[0].added))
 
     def known(self, key: str) -> Any:
-        """Its entry as far as someone looked; `MISSING` before, None for unknown."""
+        """Its entry as far as someone looked; None before that, and for unknown."""
         return dict.get(self, key)
 
     def is_known(self, key: str) -> bool:

@@ -19,8 +19,8 @@ from rai_missions.states.state import OUTCOMES, State
 from rai_missions.states.transition import Transition
 
 __all__ = (
-    "ACTING_TOOLS", "ANSWERERS", "BUDGET", "LOOKING_TOOLS", "Budget", "Decision", "DecisionSpec", "Option",
-    "answerer_offer", "answerer_words", "asked_apart",
+    "ACTING_TOOLS", "ANSWERERS", "BUDGET", "LOOKING_TOOLS", "Budget", "Decision", "DecisionFields", "DecisionSpec",
+    "Option", "answerer_offer", "answerer_words",
 )  # fmt: skip
 
 ANSWERERS: Mapping[str, str] = {"agent": "the model", "operator": "the operator", "rules": "the fixed rules"}
@@ -180,26 +180,35 @@ class DecisionSpec(MissionModel):
                 yield name, option.when
 
 
-def asked_apart(kind: type[MissionModel], words: Mapping[str, Any]) -> dict[str, Any]:
-    """The words of a constructor with those of its question under `decision`, as the format has them.
+class DecisionFields(MissionModel):
+    """What a state that asks and a node of a tree that asks have in common."""
 
-    A word that neither has is put where the nearest is, so that it is refused with that one.
-    """
-    if "decision" in words:
-        return dict(words)
-    asked = set(DecisionSpec.model_fields)
-    known = asked | set(kind.model_fields)
-    inside = {word for word in words if word in asked or (word not in known and nearest(word, known) in asked)}
-    rest = {word: value for word, value in words.items() if word not in inside}
-    return {"decision": {word: words[word] for word in words if word in inside}, **rest}
+    decision: DecisionSpec
+    """What is asked of whom."""
+
+    @classmethod
+    def spelled(cls, words: dict[str, Any]) -> dict[str, Any]:
+        """The words of a constructor with those of its question under `decision`, as the format has them.
+
+        A word that neither has is put where the nearest is, so that it is refused with that one.
+        """
+        if "decision" in words:
+            return words
+        asked = set(DecisionSpec.model_fields)
+        known = asked | set(cls.model_fields)
+        inside = {word for word in words if word in asked or (word not in known and nearest(word, known) in asked)}
+        rest = {word: value for word, value in words.items() if word not in inside}
+        return {"decision": {word: words[word] for word in words if word in inside}, **rest}
+
+    @classmethod
+    def meanings(cls) -> Mapping[str, str]:
+        return {**DecisionSpec.meanings(), **super().meanings()}
 
 
-class Decision(State, word="decision"):
+class Decision(DecisionFields, State, word="decision"):
     """Asks. In Python the question's words are next to the state's: `Decision("What now?", options=…, ask=…)`."""
 
     yields: ClassVar = False
-
-    decision: DecisionSpec
 
     def __init__(
         self,
@@ -222,14 +231,6 @@ class Decision(State, word="decision"):
         timeout_s: float | None = None,
         handover_s: float = 5.0,
     ) -> None: ...
-
-    @classmethod
-    def spelled(cls, words: dict[str, Any]) -> dict[str, Any]:
-        return asked_apart(cls, words)
-
-    @classmethod
-    def meanings(cls) -> Mapping[str, str]:
-        return {**DecisionSpec.meanings(), **super().meanings()}
 
     def outcomes(self) -> frozenset[str]:
         return super().outcomes() | frozenset(self.decision.options)

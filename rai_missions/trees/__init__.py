@@ -21,14 +21,6 @@ class PyTrees:
     """Compiles trees for a chart: `Chart(mission, ticker=PyTrees())`."""
 
     def compile(self, root: TreeNode, place: str, keys: Mapping[str, Key], state: str) -> Ticker:
-        """A ticker for one tree, which shares nothing with any other.
-
-        Args:
-            root: The tree.
-            place: Its JSON pointer in the mission.
-            keys: The mission's keys.
-            state: The state that runs it; `elapsed_s` counts from its entry.
-        """
         from rai_missions.trees.ticker import TreeTicker  # brings py_trees, which missions without trees do not need
 
         return TreeTicker(root, place, keys, state)

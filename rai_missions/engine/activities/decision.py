@@ -18,8 +18,7 @@ from rai_missions.guards.view import Operand, Site, View
 from rai_missions.keys import type_error
 from rai_missions.mission.option_parameters import listed_parameters
 from rai_missions.redaction import clipped
-from rai_missions.states.decision import Decision, DecisionSpec
-from rai_missions.states.tree.leaves import DecisionLeaf
+from rai_missions.states.decision import DecisionFields, DecisionSpec
 
 __all__ = ("DecisionActivity", "DecisionMachine")
 
@@ -186,9 +185,8 @@ class DecisionMachine(Machine):
         return state._replace(question=question, deadline=state.deadline + by_s)
 
 
-@machine_of.register(Decision)
-@machine_of.register(DecisionLeaf)
-def _(definition: Decision | DecisionLeaf, bench: Bench) -> DecisionMachine:
+@machine_of.register(DecisionFields)
+def _(definition: DecisionFields, bench: Bench) -> DecisionMachine:
     return DecisionMachine(definition.decision, bench.owner, bench.site("decision"))
 
 

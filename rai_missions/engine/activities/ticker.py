@@ -128,4 +128,11 @@ class Trees(Protocol):
     """What a chart is given as `ticker`: compiles trees."""
 
     def compile(self, root: TreeNode, place: str, keys: Mapping[str, Any], state: str) -> Ticker:
-        """A ticker for the tree at a JSON pointer of the mission, inside a state."""
+        """A ticker for one tree, which shares nothing with any other.
+
+        Args:
+            root: The tree.
+            place: Its JSON pointer in the mission.
+            keys: The mission's keys.
+            state: The state that runs it; `elapsed_s` counts from its entry.
+        """

@@ -8,7 +8,7 @@ reason that `Rounds` has room for; without room it rests, and never fails for it
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from typing import Any, Literal, NamedTuple
 
@@ -333,11 +333,7 @@ class TreeMachine(Machine):
             path: RunningLeaf(self.leaf_machines[path].machine.shift(leaf.state, by_s), leaf.deadline + by_s)
             for path, leaf in state.leaves.items()
         }
-        return TreeActivity(self._shift(state.tree, by_s), leaves, state.wake + by_s, state.limit)
-
-    def _shift(self, tree: TreeState, by_s: float) -> TreeState:
-        shift: Callable[[TreeState, float], TreeState] | None = getattr(self.ticker, "shift", None)
-        return shift(tree, by_s) if shift is not None else tree
+        return TreeActivity(self.ticker.shift(state.tree, by_s), leaves, state.wake + by_s, state.limit)
 
 
 @machine_of.register

@@ -23,12 +23,4 @@ class CompiledTrees:
     """Compiles trees for a chart; what a chart uses unless it is given another."""
 
     def compile(self, root: TreeNode, place: str, keys: Mapping[str, Key], state: str) -> Ticker:
-        """A ticker for one tree, which shares nothing with any other.
-
-        Args:
-            root: The tree.
-            place: Its JSON pointer in the mission.
-            keys: The mission's keys.
-            state: The state that runs it; `elapsed_s` counts from its entry.
-        """
         return CompiledTicker(root, place, keys, state)

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Annotated, Any, ClassVar, Self
+from typing import Annotated, ClassVar, Self
 
 from pydantic import Field, model_validator
 
@@ -14,7 +14,7 @@ from rai_missions.model import WHOLE, AnyOf, Json, KeyPath, Name, Number, Path, 
 from rai_missions.model.references import TEMPLATE, KeyValue, Refers
 from rai_missions.states.action import GoalFields
 from rai_missions.states.call import CallFields
-from rai_missions.states.decision import BUDGET, Budget, DecisionSpec, Option, asked_apart
+from rai_missions.states.decision import BUDGET, Budget, DecisionFields, DecisionSpec, Option
 from rai_missions.states.effects import Publish, Set, SetValue
 from rai_missions.states.tree.node import TreeNode
 
@@ -142,13 +142,11 @@ class PublishLeaf(TreeNode, word="publish"):
         return Publish(self.publish, self.message).details()
 
 
-class DecisionLeaf(TreeNode, word="decision"):
+class DecisionLeaf(DecisionFields, TreeNode, word="decision"):
     """Asks, then runs the subtree of the option; an option without one is success."""
 
     takes_time: ClassVar = True
 
-    decision: DecisionSpec
-    """What is asked of whom."""
     then: dict[Name, AnyOf[TreeNode]] = Field(default_factory=dict)
     """Option → what is done then."""
 
@@ -168,14 +166,6 @@ class DecisionLeaf(TreeNode, word="decision"):
         then: Mapping[str, TreeNode] = {},
         name: str = "",
     ) -> None: ...
-
-    @classmethod
-    def spelled(cls, words: dict[str, Any]) -> dict[str, Any]:
-        return asked_apart(cls, words)
-
-    @classmethod
-    def meanings(cls) -> Mapping[str, str]:
-        return {**DecisionSpec.meanings(), **super().meanings()}
 
     def branches(self) -> Iterator[tuple[str, TreeNode]]:
         for option, subtree in self.then.items():
