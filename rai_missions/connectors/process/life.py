@@ -71,6 +71,7 @@ class ProcessLife:
         self._orders = Worker(f"{name}'s orders", on_error=lambda _: None, at_end=partial(os.close, self._orders_fd))
         self.send(first)
         self.began = time.monotonic()
+        """When it was made."""
         self.why = ""
         """How it ended; empty while it lives."""
         self._thread = threading.Thread(target=self._live, name=f"{name}'s process", daemon=True)

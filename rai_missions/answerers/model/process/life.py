@@ -20,7 +20,7 @@ from rai_missions.connectors.process.frames import Broken
 from rai_missions.connectors.process.life import ProcessLife
 from rai_missions.redaction import cut, secrets_held, variables
 
-__all__ = ("Life", "PendingCall")
+__all__ = ("ModelLife", "PendingCall")
 
 WORK = "rai_missions.answerers.model.process.worker:work"
 UNASKED = "it sent what was not asked for"
@@ -47,8 +47,8 @@ class PendingCall:
         return self._result
 
 
-class Life:
-    """One process, from its start to its end.
+class ModelLife(ProcessLife):
+    """One process that holds a model, from its start to its end.
 
     Args:
         model: What it holds, by name.
@@ -57,12 +57,16 @@ class Life:
         isolated: As `open_model` has it.
     """
 
-    def __init__(self, model: str, most_bytes: int, ended: Callable[[Life], None], *, isolated: bool = False) -> None:
-        self._on_end = ended
-        self._lock = threading.Lock()
+    def __init__(
+        self, model: str, most_bytes: int, ended: Callable[[ModelLife], None], *, isolated: bool = False
+    ) -> None:
+        self._report_end = ended
+        self._calls_lock = threading.Lock()
         self._waiting: list[PendingCall] = []
-        self._able: Abilities | None = None
-        self._absent = ""
+        self.able: Abilities | None = None
+        """What the model can do; None until it is opened."""
+        self.absent = ""
+        """Why the model cannot be opened; empty unless the process reports it."""
         self._calls: dict[int, PendingCall] = {}
         self._dropped: set[int] = set()
         """Questions that were dropped while the model had them; taken out when its thread comes back."""
@@ -78,34 +82,10 @@ class Life:
             "path": [os.path.abspath(entry) for entry in sys.path],
             "secrets": secrets_held(),
         }
-        self._process = ProcessLife("model", WORK, first, most_bytes, on_message=self._take, on_end=self._release_all)
-        self._process.start()
+        super().__init__("model", WORK, first, most_bytes, on_message=self._take, on_end=self._release_all)
+        self.start()
 
     # -- what is asked of it -------------------------------------------------------------------------------------------
-
-    @property
-    def able(self) -> Abilities | None:
-        """What the model can do; None until it is opened."""
-        return self._able
-
-    @property
-    def absent(self) -> str:
-        """Why the model cannot be opened; empty unless the process reports it."""
-        return self._absent
-
-    @property
-    def alive(self) -> bool:
-        return self._process.alive
-
-    @property
-    def began(self) -> float:
-        """When it was started, on `time.monotonic`."""
-        return self._process.began
-
-    @property
-    def why(self) -> str:
-        """How it ended; empty while it lives."""
-        return self._process.why
 
     @property
     def busy(self) -> int:
@@ -141,11 +121,11 @@ class Life:
             BudgetExceeded: The question was closed.
         """
         call = PendingCall()
-        with self._lock:
-            if (able := self._able) is not None:
+        with self._calls_lock:
+            if (able := self.able) is not None:
                 return able
-            if self._absent:
-                raise Absent(self._absent)
+            if self.absent:
+                raise Absent(self.absent)
             if self._is_over or not self.alive:
                 raise self._ended()
             self._waiting.append(call)
@@ -158,40 +138,28 @@ class Life:
     def ask(self, number: int, order: Mapping[str, Any], blobs: Sequence[bytes]) -> PendingCall:
         """Send an order; its reply comes to the call."""
         call = PendingCall()
-        with self._lock:
+        with self._calls_lock:
             if self._is_over or not self.alive:
                 call.release(self._ended())
                 return call
             self._calls[number] = call
-        self._process.send(order, blobs)
+        self.send(order, blobs)
         return call
 
     def drop(self, number: int) -> bool:
         """An answer is no longer waited for; whether the model has the question still."""
-        with self._lock:
+        with self._calls_lock:
             call = self._calls.pop(number, None)
             if call is not None:
                 self._dropped.add(number)
             if self.able is not None:
                 self._unconfirmed.add(number)
                 self._all_confirmed.clear()
-        self._process.send({"do": "drop", "id": number})
+        self.send({"do": "drop", "id": number})
         if call is None:
             return False
         call.release(BudgetExceeded(UNWANTED))
         return True
-
-    def end(self, why: str = "") -> None:
-        """Have it end, with all that descends from it; never waits.
-
-        Args:
-            why: What is reported to those that wait for an answer, where the guard knows nothing better.
-        """
-        self._process.end(why)
-
-    def join(self, within_s: float) -> None:
-        """Wait until everything has ended; what does not by then is killed from here."""
-        self._process.join(within_s)
 
     # -- on the thread of the process ----------------------------------------------------------------------------------
 
@@ -199,7 +167,7 @@ class Life:
         return ModelExit(f"the model's process ended: {self.why or 'it was closed'}")
 
     def _release_all(self) -> None:
-        with self._lock:
+        with self._calls_lock:
             self._is_over = True
             calls, self._calls = list(self._calls.values()), {}
             self._all_confirmed.set()
@@ -208,8 +176,8 @@ class Life:
         for call in calls:
             call.release(ended)
         for call in waiting:
-            call.release(Absent(self._absent) if self._absent else ended)
-        self._on_end(self)
+            call.release(Absent(self.absent) if self.absent else ended)
+        self._report_end(self)
 
     def _take(self, message: Mapping[str, Any]) -> None:
         """One message of the process, which may be anything.
@@ -217,17 +185,17 @@ class Life:
         Raises:
             Broken: It is none that was asked for.
         """
-        if "ready" in message and self._able is None:
+        if "ready" in message and self.able is None:
             able = abilities_in(message)
-            with self._lock:
-                self._able = able
+            with self._calls_lock:
+                self.able = able
                 waiting, self._waiting = self._waiting, []
             for call in waiting:
                 call.release(None)
-        elif "absent" in message and self._able is None:
-            self._absent = cut(message["absent"], 400)
+        elif "absent" in message and self.able is None:
+            self.absent = cut(message["absent"], 400)
         elif type(number := message.get("dropped")) is int and number in self._unconfirmed:
-            with self._lock:
+            with self._calls_lock:
                 self._unconfirmed.discard(number)
                 if not self._unconfirmed:
                     self._all_confirmed.set()
@@ -237,7 +205,7 @@ class Life:
             raise Broken(UNASKED)
 
     def _reply(self, number: int, message: Mapping[str, Any]) -> None:
-        with self._lock:
+        with self._calls_lock:
             call = self._calls.pop(number, None)
             late = number in self._dropped
             self._dropped.discard(number)

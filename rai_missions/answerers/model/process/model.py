@@ -17,7 +17,7 @@ from rai_missions.answerers.model.chat import Abilities, Absent, BudgetExceeded
 from rai_missions.answerers.model.output_modes import AnswerForm, OutputMode
 from rai_missions.answerers.model.parse_reply import ModelReply
 from rai_missions.answerers.model.pending import PendingQuestion
-from rai_missions.answerers.model.process.life import Life
+from rai_missions.answerers.model.process.life import ModelLife
 from rai_missions.answerers.model.process.words import packed
 from rai_missions.connectors.process.life import PATIENCE_S
 from rai_missions.connectors.worker import Worker
@@ -52,8 +52,8 @@ class ModelProcess:
     def __init__(self, spec: str, *, memory_gib: float = 2.0, isolated: bool = False) -> None:
         self._spec, self._most_bytes, self._isolated = spec, int(memory_gib * GIB), isolated
         self._lock = threading.Lock()
-        self._life: Life | None = None
-        self._old: set[Life] = set()
+        self._life: ModelLife | None = None
+        self._old: set[ModelLife] = set()
         """Processes that were replaced and have yet to end."""
         self._closed = self._used = False
         self._absent = self._name = ""
@@ -86,7 +86,7 @@ class ModelProcess:
             self._used = True
         return Exchange(self, life, next(self._numbers), mode, form, pending)
 
-    def _able(self, life: Life, pending: PendingQuestion) -> Abilities:
+    def _able(self, life: ModelLife, pending: PendingQuestion) -> Abilities:
         try:
             return life.wait_able(pending.when_closed)
         except BudgetExceeded:
@@ -107,7 +107,7 @@ class ModelProcess:
         for life in lives:
             life.join(until - time.monotonic())
 
-    def _current(self) -> Life:
+    def _current(self) -> ModelLife:
         with self._lock:
             if self._absent:
                 raise Absent(self._absent)
@@ -119,15 +119,15 @@ class ModelProcess:
             return self._current()
         return life
 
-    def _begin(self) -> Life:
+    def _begin(self) -> ModelLife:
         """The process that lives, or a new one; under the lock."""
         if self._life is None or not self._life.alive:
             self._used = False
-            self._life = Life(self._spec, self._most_bytes, self._ended, isolated=self._isolated)
+            self._life = ModelLife(self._spec, self._most_bytes, self._ended, isolated=self._isolated)
             self._old.add(self._life)
         return self._life
 
-    def _ended(self, life: Life) -> None:
+    def _ended(self, life: ModelLife) -> None:
         """A process has ended, on its own or not."""
         with self._lock:
             self._old.discard(life)
@@ -144,7 +144,7 @@ class ModelProcess:
         else:
             log.warning("the process of the model '%s' ended: %s", self._spec, life.why)
 
-    def _replace(self, life: Life, why: str = "it answered no more") -> None:
+    def _replace(self, life: ModelLife, why: str = "it answered no more") -> None:
         """Have another process asked from now on; this one ends with the last answer that is waited for."""
         with self._lock:
             if self._life is life and not self._closed:
@@ -153,18 +153,18 @@ class ModelProcess:
         if not life.busy:
             life.end(why)
 
-    def dropped(self, life: Life, number: int) -> None:
+    def dropped(self, life: ModelLife, number: int) -> None:
         """A question was dropped while the model had it: see to it that its process is still of use."""
         self._timers.after(CONFIRM_S, lambda: self._look(life, number))
 
-    def answered(self, life: Life) -> None:
+    def answered(self, life: ModelLife) -> None:
         """An answer has come to a process that may have been replaced."""
         with self._lock:
             is_old = self._life is not life
         if is_old and not life.busy:
             life.end("it was replaced")
 
-    def _look(self, life: Life, number: int) -> None:
+    def _look(self, life: ModelLife, number: int) -> None:
         if not life.alive:
             return
         if not life.has_confirmed(number):
@@ -179,7 +179,13 @@ class Exchange:
     """A conversation with the model in its process."""
 
     def __init__(
-        self, model: ModelProcess, life: Life, number: int, mode: OutputMode, form: AnswerForm, pending: PendingQuestion
+        self,
+        model: ModelProcess,
+        life: ModelLife,
+        number: int,
+        mode: OutputMode,
+        form: AnswerForm,
+        pending: PendingQuestion,
     ) -> None:
         self._model, self._life, self._number, self._pending = model, life, number, pending
         self._first = {"do": "begin", "mode": mode, "schema": form.schema, "tools": list(form.tools)}
