@@ -103,8 +103,8 @@ class Comparisons:
             for status in STATUSES.values():
                 self._constant(node.key, status)
         self._learn_results(mission)
-        self._learn_brought()
-        self._spread()
+        while self._join_brought() or self._join_fields():
+            pass
         self._learn_constants()
 
     def compare(self, path: str, op: str, operand: Any) -> None:
@@ -209,12 +209,13 @@ class Comparisons:
         for path, keys in kept.items():
             self._brought_as += [(path, key) for key in keys] + [*permutations(keys, 2)]
 
-    def _learn_brought(self) -> None:
-        """What anybody looks at is compared for all that it is, or is kept under."""
-        while met := {each for each in self._brought_as if self._is_looked_at(each[0])}:
-            self._brought_as = [each for each in self._brought_as if each not in met]
-            for path, other in met:
-                self._join(path, other)
+    def _join_brought(self) -> bool:
+        """What anybody looks at is compared for all that it is, or is kept under; whether anything was joined."""
+        met = {each for each in self._brought_as if self._is_looked_at(each[0])}
+        self._brought_as = [each for each in self._brought_as if each not in met]
+        for path, other in met:
+            self._join(path, other)
+        return bool(met)
 
     def _is_looked_at(self, path: str) -> bool:
         """Whether a guard or a copy names it, or a part of it."""
@@ -230,15 +231,31 @@ class Comparisons:
         """Those that it is compared with or copied to, itself among them."""
         return self.kin.get(path, {path})
 
-    def _spread(self) -> None:
-        """Objects that are copied are kin field by field."""
-        for one in list(self.kin):
-            inner = {p[len(one) :] for p in (*self.atoms, *self.near, *self.fresh) if p.startswith(f"{one}.")}
-            for other in self.kin[one] - {one}:
-                for path in inner:
-                    self.atoms.setdefault(one + path, [])
-                    self.atoms.setdefault(other + path, [])
-                    self._join(one + path, other + path)
+    def _join_fields(self) -> bool:
+        """Objects that are copied are kin field by field, as far as anybody looks; whether anything was joined.
+
+        What is copied out of itself, `set node from node.next`, is tried with some values: it may be so for ever.
+        """
+        asked = set(filter(self.is_asked, self.kin))
+        below: dict[str, set[str]] = {}
+        for path in {*self.atoms, *self.near, *self.fresh, *asked}:
+            for at in _dots(path):
+                below.setdefault(path[:at], set()).add(path[at:])
+        endless = {path for path in asked if any(path[:at] in self.kin[path] for at in _dots(path))}
+        self._odd |= endless
+        found = {
+            (one + inner, other + inner)
+            for one in self.kin
+            for inner in below.get(one, ())
+            if endless.isdisjoint(self.kin[one])
+            for other in self.kin[one]
+            if other + inner not in self.kin_of(one + inner)
+        }
+        for one, other in found:
+            self.atoms.setdefault(one, [])
+            self.atoms.setdefault(other, [])
+            self._join(one, other)
+        return bool(found)
 
     # -- what came of it ------------------------------------------------------------------------------------------
 
@@ -411,3 +428,7 @@ class Comparisons:
         start = f"{path}."
         found = (*self.atoms, *self.near, *self.kin, *self.fresh)
         return sorted({each[len(start) :].split(".")[0] for each in found if each.startswith(start)})
+
+
+def _dots(path: str) -> Iterator[int]:
+    return (at for at, sign in enumerate(path) if sign == ".")

@@ -340,6 +340,44 @@ def test_what_is_compared_with_what_an_event_brings_on_can_be_the_same() -> None
     assert proof.never == ()
 
 
+@pytest.mark.parametrize("source", ["seen", "event.thing"])
+@pytest.mark.parametrize(("field", "kind", "looked"), [("name", WORD, "wanted"), ("box", OBJECT, "wanted.name")])
+@pytest.mark.parametrize("hops", [1, 2])
+def test_a_field_of_a_copied_object_can_be_all_that_guards_look_for(
+    source: str, field: str, kind: Json, looked: str, hops: int
+) -> None:
+    copies = ["first", "second"][:hops]
+    put = [{"set": to, "from": of} for to, of in zip(copies, [source, *copies], strict=False)]
+    proof = prove(Mission.model_validate({
+        "name": "copied", "initial": "here", "events": {"go": {"fields": {"thing": "object"}}},
+        "blackboard": {"seen": {**OBJECT, "source": "robot"}, **dict.fromkeys(copies, OBJECT), "wanted": kind},
+        "states": {
+            "here": {"transitions": [
+                {"on": "go", "to": "there", "do": [*put, {"set": "wanted", "from": f"{copies[-1]}.{field}"}]}]},
+            "there": {"transitions": [{"when": {"key": looked, "==": "cup"}, "to": "found"},
+                                      {"after_s": 1, "to": "over"}]},
+            "found": OVER, "over": OVER,
+        },
+    }))  # fmt: skip
+    assert (proof.sampled, proof.never) == ((), ())
+
+
+@pytest.mark.parametrize(("looked", "sampled"), [("node.name", ("node.next",)), ("other", ())])
+def test_what_is_copied_out_of_itself_is_tried_with_some_values_only(looked: str, sampled: tuple[str, ...]) -> None:
+    proof = prove(Mission.model_validate({
+        "name": "walking", "initial": "here", "events": {"go": {"fields": {"node": "object"}}, "on": {}},
+        "blackboard": {"node": OBJECT, "other": WORD},
+        "states": {
+            "here": {"transitions": [
+                {"on": "go", "do": [{"set": "node", "from": "event.node"}]},
+                {"on": "on", "do": [{"set": "node", "from": "node.next"}]},
+                {"when": {"key": looked, "==": "cup"}, "to": "over"}]},
+            "over": OVER,
+        },
+    }))  # fmt: skip
+    assert proof.sampled == sampled
+
+
 def test_a_step_that_replaces_a_value_is_made_once_whatever_it_was() -> None:
     """One more value of `last` is one more step that writes it, and none of those that write over it."""
 
