@@ -128,13 +128,13 @@ class OrderLists:
             at = begun + len(clause)
 
     def part(self, words: Sequence[str], view: StatusView) -> Part:
-        """What a part of a sentence means: orders or questions; empty for anything else, and for a joint or `go` alone.
+        """What a part of a sentence means: orders or questions; empty for anything else, a joint, and `please go` alone.
 
         Args:
             words: Of the part.
             view: The run.
         """
-        if list(words) in self._no_parts:
+        if list(words) in self._no_parts or self._language.normaliser.bare(list(words)) in self._no_parts:
             return ()
         for form in (list(words), self._language.imperative(words)):
             found = self._grammar.senses(form, view)

@@ -34,7 +34,9 @@ class UnreadSentence(NamedTuple):
 def _unread(text: str, language: Language) -> UnreadSentence:
     """The kind of a sentence, by its first word, its sign at the end, and the place of its verb."""
     words = language.normaliser.bare(language.normaliser.words(text))
-    if text.rstrip().endswith("?") or (words and words[0] in language.data["asking"]):
+    is_forbidding = bool(set(words[1:2]) & set(language.data["claims"]["negations"]))  # `do not`
+    is_asking = bool(words) and words[0] in language.data["asking"] and not is_forbidding
+    if text.rstrip().endswith("?") or is_asking:
         return UnreadSentence("question", tuple(words))
     if len(words) < LEAST_WORDS or language.wish.fits(words):
         return UnreadSentence("other")

@@ -23,11 +23,15 @@ HEADS: Mapping[str, Mapping[str, str]] = {
     "en": {
         "head over to": "go to", "pop round": "go", "have a quick look for": "find", "take a look about": "look around",
         "sit tight for": "wait", "drive back to your charging station": "come back", "be in": "go to",
+        "drop off": "deliver", "go and pick up": "fetch", "get me the": "fetch", "mop the floor in": "clean",
+        "tag along with": "follow", "take a closer look at": "inspect", "check on": "examine", "top up": "charge",
+        "do a headcount of": "count", "escort": "guide", "take a quick picture of": "photograph", "unlock": "open",
     },
     "de": {
         "roll zurück": "fahre", "begib dich ins": "fahre in", "halte Ausschau nach": "finde",
         "guck rum": "schau dich um", "bleib hier stehen": "warte", "ab an deine Ladestation": "komme zurück",
-        "sei im": "fahre in",
+        "sei im": "fahre in", "trag": "liefere", "besorg mir": "hole", "wisch bitte": "reinige", "geh mit": "folge",
+        "überprüfe": "prüfe", "mach uns ein Foto vom": "fotografiere", "begleite": "führe", "bewässere": "gieße",
     },
 }  # fmt: skip
 
