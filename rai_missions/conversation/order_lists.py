@@ -128,7 +128,7 @@ class OrderLists:
             at = begun + len(clause)
 
     def part(self, words: Sequence[str], view: StatusView) -> Part:
-        """What a part of a sentence means: orders or questions; empty for anything else, a joint, and `please go` alone.
+        """What a part of a sentence means: orders or questions; empty for all else, and for a joint or `please go`.
 
         Args:
             words: Of the part.
