@@ -15,7 +15,7 @@ from rai_missions.guards.goal import judged
 from rai_missions.guards.view import Truth
 from rai_missions.planning.examples import GOALS, PAIRS, REQUESTS, ways
 
-__all__ = ("NO_GOAL", "requests", "sights")
+__all__ = ("NO_GOAL", "first_of_each", "requests", "sights")
 
 NO_GOAL: Mapping[str, Any] = {}
 """Of which nothing is known."""
@@ -32,22 +32,22 @@ def sights(goals: Collection[Mapping[str, Any]], aspects: Collection[str]) -> li
     found = ({"things": [thing for way in chosen for thing in way], "gripper": "empty"} for chosen in product(*places))
     texts = TEXTS if "said" in aspects else ()
 
-    def judge(seen: Any) -> Iterator[Truth]:
+    def judged_so(seen: Any) -> Iterator[Truth]:
         for goal in goals:
             yield from (judged(aspect, goal, seen) for aspect in listed)
             yield from (judged("said", goal, seen, text) for text in texts)
 
-    return _distinguished(found, judge)
+    return first_of_each(found, lambda seen: tuple(judged_so(seen)))
 
 
 def requests(goals: Collection[Mapping[str, Any]]) -> list[str]:
     """What may be asked for: each of these goals or none, and both."""
-    return _distinguished(TEXTS, lambda text: [judged("said", goal, None, text) for goal in goals])
+    return first_of_each(TEXTS, lambda text: tuple([judged("said", goal, None, text) for goal in goals]))
 
 
-def _distinguished(values: Iterable[Any], judge: Callable[[Any], Iterable[Truth]]) -> list[Any]:
-    """Of values that no guard distinguishes the first."""
-    found: dict[tuple[Truth, ...], Any] = {}
+def first_of_each(values: Iterable[Any], found_out: Callable[[Any], Any]) -> list[Any]:
+    """Of values of which the same is found out the first."""
+    first: dict[Any, Any] = {}
     for value in values:
-        found.setdefault(tuple(judge(value)), value)
-    return list(found.values())
+        first.setdefault(found_out(value), value)
+    return list(first.values())

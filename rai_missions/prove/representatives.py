@@ -23,7 +23,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.plain_data import is_number
 from rai_missions.planning.examples import GOALS
 from rai_missions.prove.comparisons import NUMBERS, Comparisons
-from rai_missions.prove.goals import NO_GOAL, requests, sights
+from rai_missions.prove.goals import NO_GOAL, first_of_each, requests, sights
 from rai_missions.prove.parts import parts
 from rai_missions.states.effects import Raise, references
 
@@ -302,7 +302,7 @@ class Values:
         ops = [(op, one == path) for one, op, other in met if path in (one, other)]
         if not all(op for op, _ in ops):
             return values
-        return _first(
+        return first_of_each(
             values,
             lambda value: tuple(
                 _truth(op, value, fixed) if is_left else _truth(op, fixed, value) for op, is_left in ops
@@ -311,7 +311,7 @@ class Values:
 
     def _apart(self, path: str, candidates: Iterable[Any]) -> Iterable[Any]:
         """Those that some guard treats otherwise than all before."""
-        return _first(candidates, partial(_found_out, self.learned.atoms.get(path, ())))
+        return first_of_each(candidates, partial(_found_out, self.learned.atoms.get(path, ())))
 
     def _is_fixed(self, path: str, kin: set[str]) -> bool:
         """One argument among facts: where it lies makes no difference, as long as they can lie on either side."""
@@ -320,23 +320,14 @@ class Values:
         return len(sources) == len(kin) and sources.get(path) == "argument" and others == {"robot"}
 
 
-def _distinct(poses: list[Any], others: list[Any], radii: list[float]) -> Iterator[Any]:
+def _distinct(poses: list[Any], others: list[Any], radii: list[float]) -> list[Any]:
     """Of poses that lie alike to each of others the first."""
-    seen = set[tuple[Any, ...]]()
-    for pose in poses:
+
+    def lies(pose: Any) -> tuple[int | None, ...]:
         metres = [distance(pose, other) for other in others]
-        lies = tuple(None if each is None else bisect_left(radii, each) for each in metres)
-        if lies not in seen:
-            seen.add(lies)
-            yield pose
+        return tuple([None if each is None else bisect_left(radii, each) for each in metres])
 
-
-def _first(values: Iterable[Any], found_out: Callable[[Any], Any]) -> Iterable[Any]:
-    """Of values of which the same is found out the first."""
-    first: dict[Any, Any] = {}
-    for value in values:
-        first.setdefault(found_out(value), value)
-    return first.values()
+    return first_of_each(poses, lies)
 
 
 def _found_out(atoms: Iterable[tuple[str, Any]], value: Any) -> tuple[Any, ...]:

@@ -21,7 +21,7 @@ from rai_missions.prove.state_graph import LENGTHENED, LISTED, Edge
 from rai_missions.prove.state_key import Place
 from rai_missions.prove.step_cache import NOTHING, Arrival, ReadsChange, StepFootprint, StepOutcome
 from rai_missions.prove.stimulus import Stimulus
-from rai_missions.prove.store import ALL_GOALS
+from rai_missions.prove.store import ALL_GOALS, Store, StoreChange
 
 __all__ = ("StepCase", "StepMaker", "StepOrigin")
 
@@ -131,7 +131,7 @@ class StepMaker:
     def _arrival(
         self, way: Edge, here: StepOrigin, scene: StepCase, waits: list[StepCase] | None
     ) -> tuple[Arrival, StepFootprint]:
-        environment, happening, before = self._environment, scene.happening, here.place.store
+        environment, happening = self._environment, scene.happening
         chart, codec, instruments = environment.chart, environment.codec, environment.instruments
         moves = list(chart.state.draft.moves)
         has_moved = bool(moves or instruments.turned or any(instruments.begun.values()))
@@ -140,36 +140,14 @@ class StepMaker:
             ended = chart.outcome, chart.why
             footprint, _ = self._footprint(here, scene, wakes, moves, None, has_ended=True)
             return Arrival(way, happening.kind, has_moved, ended, repr(ended).encode()), footprint
-        written, added = codec.changed(before, is_exact=instruments.is_long)
-        goals, many = codec.given_up(), len(before.goals)
-        if happening.is_of_goal or goals[:many] != list(before.ledger.values()):
-            instruments.asked.add(ALL_GOALS)
-        is_absolute = ALL_GOALS in instruments.asked
-        ahead = codec.ahead()
-        change = self._stores.change(
-            written,
-            added,
-            tuple(goals if is_absolute else goals[many:]),
-            environment.rest.rivals,
-            ahead.kept,
-            ahead.question,
-            is_absolute=is_absolute,
-        )
+        change = self._change(here.place.store, happening)
         levels = codec.levels() if codec.loops else ()
         mode, is_whole = chart.mode, self._parts is None or not self._parts.takes(chart.state)
         core = codec.core() if is_whole else b""
         saved = codec.take()
         spot = self._parts.spot(saved) if not is_whole and self._parts is not None else None
         footprint, changed = self._footprint(here, scene, wakes, moves, spot, has_ended=False)
-        kept = (
-            None
-            if waits is None
-            else self._lists(moves).union(
-                each.happening.words
-                for each in waits
-                if footprint is NOTHING or each.scope < 0 or each.scope in footprint.needs
-            )
-        )
+        kept = self._kept(waits, footprint, moves) if waits is not None else None
         return Arrival(
             way,
             happening.kind,
@@ -186,6 +164,22 @@ class StepMaker:
             changed,
             footprint.needs,
         ), footprint
+
+    def _change(self, before: Store, happening: Stimulus) -> StoreChange:
+        """What a step has made of the store that it began with."""
+        codec, asked = self._environment.codec, self._environment.instruments.asked
+        written, added = codec.changed(before, is_exact=self._environment.instruments.is_long)
+        goals, many = codec.given_up(), len(before.goals)
+        if happening.is_of_goal or goals[:many] != list(before.ledger.values()):
+            asked.add(ALL_GOALS)
+        is_absolute, ahead, rivals = ALL_GOALS in asked, codec.ahead(), self._environment.rest.rivals
+        left = tuple(goals if is_absolute else goals[many:])
+        return self._stores.change(written, added, left, rivals, ahead.kept, ahead.question, is_absolute=is_absolute)
+
+    def _kept(self, waits: Iterable[StepCase], footprint: StepFootprint, moves: Iterable[Move]) -> frozenset[str]:
+        """The words of what waits on and of lists; what waits in a part at which the step did not look is left out."""
+        rests = (each for each in waits if footprint is NOTHING or each.scope < 0 or each.scope in footprint.needs)
+        return self._lists(moves).union(each.happening.words for each in rests)
 
     def _lists(self, moves: Iterable[Move]) -> frozenset[str]:
         """Which lists turned out to be longer in a step, and which it began with: see `circling`."""
