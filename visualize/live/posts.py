@@ -6,7 +6,7 @@ from __future__ import annotations
 import asyncio
 from typing import NamedTuple
 
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
 
 __all__ = ("LARGEST_ORDER", "PostRefusal", "body_of", "refused")
@@ -45,6 +45,8 @@ async def body_of(request: Request, most: int, what: str, kind: str = "applicati
                     found += piece
     except TimeoutError:
         return PostRefusal(408, f"{what} comes within {COMES_WITHIN_S:g} s; post it again")
+    except ClientDisconnect:
+        return PostRefusal(400, f"{what} did not come to its end")  # for the form: its client is gone
     if not is_kind:
         return PostRefusal(415, f"{what} is {kind}")
     if len(found) > most:

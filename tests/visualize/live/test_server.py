@@ -239,6 +239,17 @@ def test_an_order_whose_rest_never_comes_is_refused(run: Run, monkeypatch: pytes
     assert run.desk.orders == [] and ask(run.page, "GET", "/mission")[0] == 200
 
 
+def test_a_client_that_leaves_in_the_midst_of_its_order_costs_no_traceback(
+    run: Run, caplog: pytest.LogCaptureFixture
+) -> None:
+    head = f"POST /orders HTTP/1.1\r\nHost: 127.0.0.1:{run.page.port}\r\nX-Mission-Token: {run.page.token}\r\n"
+    with socket.create_connection(("127.0.0.1", run.page.port), timeout=30) as client:
+        client.sendall(f"{head}Content-Type: application/json\r\nContent-Length: 50\r\n\r\n{{".encode())
+        assert ask(run.page, "GET", "/mission")[0] == 200, "its head has come by now"
+    run.page.stop()
+    assert caplog.records == []
+
+
 def test_a_viewer_is_not_cut_off(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(impatient, "SPEAKS_WITHIN_S", 0.2)
     monkeypatch.setattr(hub, "BEAT_S", 0.3)
