@@ -27,13 +27,11 @@ class TextOption(NamedTuple):
         """The answer that is the option's name and a text; None where the words are another."""
         name = spoken(self.offer.name).split()
         rest = words[len(name) :]
-        return self._sense(rest, is_partial=False) if rest and list(words[: len(name)]) == name else None
+        is_named = rest and list(words[: len(name)]) == name
+        return self.free(rest)._replace(is_partial=False) if is_named else None
 
     def free(self, words: Sequence[str]) -> Sense:
         """The answer in these words, to be read back."""
-        return self._sense(words, is_partial=True)
-
-    def _sense(self, words: Sequence[str], *, is_partial: bool) -> Sense:
         values = {self.parameter: " ".join(words)}
         return Sense(
             "order",
@@ -41,7 +39,7 @@ class TextOption(NamedTuple):
             question=self.question.number,
             option=self.offer.name,
             parameters=values,
-            is_partial=is_partial,
+            is_partial=True,
         )
 
 

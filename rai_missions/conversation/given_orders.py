@@ -11,7 +11,6 @@ from typing import TypeVar
 
 from rai_missions.conversation.inputs import OrderEnd, OrderResult, Utterance
 from rai_missions.conversation.language import spoken
-from rai_missions.conversation.order_words import order_words
 from rai_missions.conversation.outputs import Order
 from rai_missions.conversation.request_queue import JudgedOrder, order_data
 from rai_missions.conversation.run_words import state_of_run
@@ -142,7 +141,7 @@ class GivenOrders:
         for order in answers:
             sense = Sense("order", "answer", question=order.question, option=order.option, parameters=order.parameters)
             utterance = Utterance("", order.role, order.channel, order.author, talk.now)
-            words = order_words(sense, talk.view, talk.spoken_starts, talk.language)
+            words = talk.order_words(sense)
             self._under_way[order.number] = JudgedOrder(sense, utterance, order.mapper, words)
 
 

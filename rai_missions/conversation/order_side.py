@@ -23,7 +23,6 @@ from rai_missions.conversation.order_rules import (
     why_not_now,
     why_not_permitted,
 )
-from rai_missions.conversation.order_words import order_words
 from rai_missions.conversation.outputs import Mapper
 from rai_missions.conversation.request_queue import JudgedOrder, RequestQueue, order_data
 from rai_missions.conversation.senses import STOP, Sense, joined
@@ -142,7 +141,7 @@ class OrderSide:
         if order := forbidden(sense, utterance.role, settings):
             self.refuse_permission(order, utterance)
             return
-        words = order_words(sense, view, self._talk.spoken_starts, language)
+        words = self._talk.order_words(sense)
         judged = JudgedOrder(sense, utterance, mapper, words)
         self._talk.note("mapped", number=utterance.number, order=order_data(sense), mapper=mapper)
         if self._is_impossible(judged):
@@ -152,8 +151,7 @@ class OrderSide:
             where = where_to_order(settings, language)
             self._speaking.reply("two_needed_order", utterance, order=words, where=where)
         elif must_confirm(sense, view, mapper=mapper, agreeing=agreeing):
-            each = (order_words(other, view, self._talk.spoken_starts, language) for other in others)
-            self.confirmation.read_back(judged, others=tuple(each))
+            self.confirmation.read_back(judged, others=tuple(map(self._talk.order_words, others)))
         else:
             self._settle(judged)
 
@@ -196,16 +194,14 @@ class OrderSide:
         self._talk.note("refused", number=judged.utterance.number, order=judged.sense.name, by=form)
         self._speaking.reply(form, judged.utterance, **values)
         if judged.sense.then:
-            then = order_words(
-                joined(judged.sense.orders[1:]), self._talk.view, self._talk.spoken_starts, self._talk.language
-            )
+            then = self._talk.order_words(joined(judged.sense.orders[1:]))
             self._speaking.reply("left_out", judged.utterance, rest=then)
 
     def _settle(self, judged: JudgedOrder) -> None:
         """The order counts, and those that follow it, each of which waits for its turn."""
-        view, language, follows = self._talk.view, self._talk.language, ""
+        follows = ""
         for sense in judged.sense.orders:
-            words = order_words(sense, view, self._talk.spoken_starts, language)
+            words = self._talk.order_words(sense)
             one = judged._replace(sense=sense._replace(then=()), words=words, follows=follows)
             if not follows or not self._is_impossible(one):
                 self._settle_one(one)
@@ -320,20 +316,24 @@ class OrderSide:
 
     def _next_order(self) -> None:
         """An order that follows another one is given out; to resume after a pause needs a yes of its own."""
-        order = self._requests.take()
-        if order is None:
+        if (order := self._taken()) is None:
             return
-        permitted = may(order.utterance.role, order.sense.name, self._talk.settings)
-        if not permitted or why_not_now(order.sense, self._talk.view, self._talk.language):
-            self._drop_impossible(order)
-        elif order.sense.name == "resume" and order.follows in STOPPING:
+        if order.sense.name == "resume" and order.follows in STOPPING:
             self.confirmation.read_back(order, is_request=True)
         else:
             self._put_and_reply(order)
 
-    def _drop_impossible(self, request: JudgedOrder) -> None:
+    def _taken(self) -> JudgedOrder | None:
+        """The oldest request; one that is not permitted, or not possible now, is dropped, and its speaker informed."""
+        request = self._requests.take()
+        if request is None:
+            return None
+        permitted = may(request.utterance.role, request.sense.name, self._talk.settings)
+        if permitted and not why_not_now(request.sense, self._talk.view, self._talk.language):
+            return request
         self._talk.note("dropped", order=order_data(request.sense))
         self._speaking.reply("request_impossible", request.utterance.unnumbered, order=request.words)
+        return None
 
     def _next_request(self) -> None:
         """The mission has ended: the oldest request begins where it succeeded; else a person is asked."""
@@ -342,12 +342,7 @@ class OrderSide:
             self._requests.drop("requests_dropped")  # the robot may still move
         elif _is_locked(view):
             self._requests.drop("requests_stopped")
-        request = self._requests.take()
-        if request is None:
-            return
-        permitted = may(request.utterance.role, "start", self._talk.settings)
-        if not permitted or why_not_now(request.sense, view, self._talk.language):
-            self._drop_impossible(request)
+        if (request := self._taken()) is None:
             return
         if not request.begins_after(view.mode):
             self.confirmation.read_back(request, is_request=True)

@@ -254,7 +254,7 @@ class StateAnswers:
 
     def _why_stopped(self, view: StatusView, asker: Asker) -> str:
         if view.mode == "paused":
-            return self._after(self._mode_by(view, "paused"), view, asker)
+            return self._after(self._paused(view), view, asker)
         if view.is_before_start and asker.last_end:
             return self._doing(view, asker)
         if view.mode == "canceling" and view.mode_by:
@@ -274,7 +274,7 @@ class StateAnswers:
             ago = duration(view.at - view.began, self.language)
             parts.append(self.language.text("began", mission=spoken(view.mission), ago=ago))
         if view.mode == "paused":
-            parts.append(self._mode_by(view, "paused"))
+            parts.append(self._paused(view))
         elif view.active and view.since is not None:
             time = duration(view.at - view.since, self.language)
             parts.append(self.language.text("since", state=spoken(view.named_state), time=time))
@@ -283,11 +283,11 @@ class StateAnswers:
     def _repeat(self, view: StatusView, asker: Asker) -> str:
         return asker.last_spoken or self._doing(view, asker)
 
-    def _mode_by(self, view: StatusView, name: str) -> str:
+    def _paused(self, view: StatusView) -> str:
         if not view.mode_by:
-            return self.language.text(name)
+            return self.language.text("paused")
         time = duration(view.at - (view.at if view.mode_since is None else view.mode_since), self.language)
-        return self.language.text(f"{name}_by", by=view.mode_by, time=time)
+        return self.language.text("paused_by", by=view.mode_by, time=time)
 
     def _waits(self, view: StatusView, _: Asker) -> str:
         language = self.language

@@ -9,7 +9,9 @@ from typing import Any
 
 from rai_missions.conversation.inputs import Utterance
 from rai_missions.conversation.language import language
+from rai_missions.conversation.order_words import order_words
 from rai_missions.conversation.outputs import NoteKind, Output, Speech, TalkNote, TalkTurn, Way
+from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.settings import Settings
 from rai_missions.conversation.spoken_starts import SpokenStarts
 from rai_missions.conversation.start_phrases import StartPhrases
@@ -52,6 +54,10 @@ class Talk:
         """The run is as in this view now; returns how it was."""
         before, self.view = self.view, view
         return before
+
+    def order_words(self, sense: Sense) -> str:
+        """An order in words, as it is read back and reported."""
+        return order_words(sense, self.view, self.spoken_starts, self.language)
 
     def is_new(self, utterance: Utterance) -> bool:
         """Whether its message was not received before; an id is unique for its author at most, and may be a talk's."""
