@@ -36,6 +36,19 @@ def test_all_calls_have_one_thread_for_their_timeouts() -> None:
     assert [each.why for each in replies.wait(bool, "no one answers")] == ["/horn has not answered within 0.01 s"]
 
 
+def test_calls_that_are_given_up_leave_no_thread_and_later_ones_have_their_timeout() -> None:
+    calls, before, replies = PendingCalls(), set(threading.enumerate()), Inbox[Reply]()
+    calls.begin(b"1", "/horn", replies, 3600)
+    calls.answered(b"1", DONE)
+    calls.give_up("the connector was stopped")
+    assert set(threading.enumerate()) <= before
+    calls.begin(b"2", "/horn", replies, 0.01)
+    assert [each.outcome for each in replies.wait(lambda found: len(found) > 1, "no timeout")] == [
+        "succeeded",
+        "timed_out",
+    ]
+
+
 def test_a_second_server_is_known_by_one_of_the_last_answers(caplog: pytest.LogCaptureFixture) -> None:
     calls = PendingCalls()
     keys = [number.to_bytes(2, "big") for number in range(MOST_ANSWERED + 1)]

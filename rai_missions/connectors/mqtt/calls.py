@@ -15,6 +15,8 @@ log = logger(__name__)
 
 MOST_ANSWERED = 256
 """Calls whose answer came, and by which a second server of the same service is known."""
+CLOSES_S = 1.0
+"""How long who receives a timeout may hold up the end."""
 
 
 class PendingCalls:
@@ -32,6 +34,7 @@ class PendingCalls:
         self._pending[key] = service, on_reply
         if timeout_s is not None:
             late = Reply("timed_out", {}, f"{service} has not answered within {timeout_s} s")
+            self._timeouts.start()  # also after `give_up`
             self._timeouts.after(timeout_s, lambda: self.end(key, late))
 
     def answered(self, key: bytes, reply: Reply) -> None:
@@ -57,7 +60,8 @@ class PendingCalls:
             log.exception("who called %s failed", service)
 
     def give_up(self, why: str) -> None:
-        """No reply will come to any of them."""
+        """No reply will come to any of them: none of them times out any more, nor does a thread wait for that."""
+        self._timeouts.close(CLOSES_S)
         for key in tuple(self._pending):
             self.end(key, Reply("unavailable", {}, why, may_have_arrived=True))
 
