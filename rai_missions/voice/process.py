@@ -51,6 +51,8 @@ OnReply = Callable[[SpeechReply], object]
 class PendingOrder(NamedTuple):
     """An order whose reply is waited for."""
 
+    life: ProcessLife
+    """The process that has it."""
     on_reply: OnReply
     on_part: Callable[[bytes], object] | None
     cancel: Work
@@ -149,7 +151,7 @@ class SpeechProcess:
                 number = next(self._numbers)
                 within_s = self._within_s + (0.0 if self._replied else START_S)
                 cancel = self._timers.after(within_s, lambda: self._give_up(number, life, within_s))
-                self._asked[number] = PendingOrder(on_reply, on_part, cancel)
+                self._asked[number] = PendingOrder(life, on_reply, on_part, cancel)
         if fault:
             on_reply(SpeechReply(fault=f"the {self.sort} '{self.name}': {fault}"))
             return
@@ -224,20 +226,12 @@ class SpeechProcess:
             life.end(f"it did not reply within {within_s:g} s")
 
     def _ended(self, life: ProcessLife) -> None:
-        """A process has ended, on its own or not."""
+        """A process has ended, on its own or not; an order that came meanwhile may have started the next."""
         with self._lock:
-            if life is not self._life:
-                return
-            self._life = None
-            why = self._absent or life.why
-            has_lived = self._replied or time.monotonic() - life.began > YOUNG_S
-            self._is_ready.set()
-            again = self._is_open and not self._absent and has_lived
-            asked = self._drop_asked()
-            if again:
-                self.restarts += 1
-                self._begin()
-        sentence = f"the {self.sort} '{self.name}' ended: {why}" if not self._absent else self._absent
+            if not self._is_open:
+                return  # what was asked of it ends where it is closed
+            asked, again = self._drop_asked(life), self._follow(life)
+        sentence = self._absent or f"the {self.sort} '{self.name}' ended: {life.why}"
         if self._on_fault is None:
             log.warning("%s%s", sentence, "; it is started again" if again else "")
         for each in asked:
@@ -245,11 +239,26 @@ class SpeechProcess:
         if self._on_fault is not None:
             self._on_fault(sentence)
 
-    def _drop_asked(self) -> list[PendingOrder]:
-        asked, self._asked = list(self._asked.values()), {}
-        for each in asked:
+    def _follow(self, life: ProcessLife) -> bool:
+        """Whether another process follows one that has ended; under the lock."""
+        if life is not self._life:
+            again = self._life is not None
+        else:
+            self._life = None
+            self._is_ready.set()
+            again = not self._absent and (self._replied or time.monotonic() - life.began > YOUNG_S)
+            if again:
+                self._begin()
+        self.restarts += again
+        return again
+
+    def _drop_asked(self, life: ProcessLife | None = None) -> list[PendingOrder]:
+        """Take away what is asked, of one process or of all."""
+        dropped = {number: each for number, each in self._asked.items() if life in (None, each.life)}
+        self._asked = {number: each for number, each in self._asked.items() if number not in dropped}
+        for each in dropped.values():
             each.cancel()
-        return asked
+        return list(dropped.values())
 
     def _release(self, why: str) -> None:
         with self._lock:

@@ -89,6 +89,21 @@ def test_one_that_ends_or_hangs_is_named_and_started_again(
     assert process.restarts == 1
 
 
+def test_an_order_that_comes_while_the_process_ends_leaves_the_one_before_its_reply(
+    recogniser: tuple[SpeechProcess, Inbox[str], Asked],
+) -> None:
+    process, faults, ask = recogniser
+    before = Inbox[SpeechReply]()
+    process.ask({"do": "transcribe", "phrases": []}, (b"hang",), on_reply=before)
+    assert process._life is not None
+    process._life.end("it was killed")
+    assert ask("next").data["text"] == "next"
+    (reply,) = before.wait(bool, "the order that it had when it ended has a reply")
+    assert reply.fault == "the recogniser 'hostile' ended: it was killed"
+    faults.wait(lambda all_: all_ == [reply.fault], "it is named once")
+    assert process.restarts == 1
+
+
 def test_one_that_raises_or_babbles_stays(recogniser: tuple[SpeechProcess, Inbox[str], Asked]) -> None:
     process, faults, ask = recogniser
     assert ask("raise").fault == "the recogniser 'hostile' failed (ValueError: no words)"
