@@ -134,6 +134,18 @@ def test_a_descendant_s_transition_preempts_its_ancestor_s() -> None:
     assert sent(made, "e").entered == ("r2",)
 
 
+def test_a_transition_that_is_preempted_preempts_no_other() -> None:
+    regions = {
+        f"r{n}": {
+            "initial": f"a{n}",
+            "states": {f"a{n}": {"transitions": [transition("e", f"b{n}")] if n else []}, f"b{n}": {}},
+        }
+        for n in range(4)
+    }
+    made = chart({"p": {"parallel": regions, "transitions": [transition("e", "q")]}, "q": {}})
+    assert sent(made, "e").entered == ("b1", "b2", "b3")
+
+
 def test_a_target_in_another_region_leaves_and_enters_the_whole_parallel_state() -> None:
     step = sent(chart(conflicting(transition("e", "s2"), transition("g", "s2"))), "e")
     assert step.exited == ("s1", "s", "r1", "r", "p")
