@@ -14,7 +14,7 @@ from contextlib import contextmanager
 
 __all__ = ("few_collections", "set_apart")
 
-FEW = (100_000, 50, 1000)
+FEW = (1_000_000, 50, 1000)
 """The thresholds meanwhile: objects until a search, and searches of one generation until one of the next."""
 
 MUCH = 10_000

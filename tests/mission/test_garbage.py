@@ -58,7 +58,7 @@ def test_threads_that_build_at_once_leave_the_thresholds_as_they_were() -> None:
     assert gc.get_threshold() == USUAL
 
 
-@pytest.mark.parametrize("thresholds", [(0, 10, 10), (200_000, 5, 5)])
+@pytest.mark.parametrize("thresholds", [(0, 10, 10), (2 * FEW[0], 5, 5)])
 def test_what_searches_more_rarely_already_is_left_alone(thresholds: tuple[int, int, int]) -> None:
     gc.set_threshold(*thresholds)
     with few_collections():
@@ -96,6 +96,14 @@ def test_an_error_brings_the_thresholds_back() -> None:
     with pytest.raises(KeyError), few_collections():
         raise KeyError
     assert gc.get_threshold() == USUAL
+
+
+def test_what_a_mission_of_thousands_of_states_is_made_of_is_not_searched() -> None:
+    with few_collections():
+        before = [each["collections"] for each in gc.get_stats()]
+        built = [[number] for number in range(400_000)]
+        assert [each["collections"] for each in gc.get_stats()] == before
+    assert len(built) == 400_000
 
 
 def test_garbage_of_the_meantime_is_found_later() -> None:
