@@ -52,18 +52,14 @@ def hasty_retries(index: MissionIndex) -> Found:
     for spot in index.spots:
         if not spot.state.reports_robot:
             continue
-        retry = next((each for each in spot.transitions if _is_about(each, spot, "rejected")), None)
+        own = (each for each in spot.transitions if each.definition.of in (None, spot.name))
+        retry = next((each for each in own if "rejected" in each.definition.on), None)
         if retry is not None and retry.definition.when is None and retry.definition.to == (spot.name,):
             yield (
                 f"{retry.place}/to",
                 f"while no server is there, '{spot.name}' is rejected and entered again without a pause; "
                 f'lead to a state that waits, {{"after_s": 5, "to": "{spot.name}"}}',
             )
-
-
-def _is_about(transition: TransitionRef, spot: StateRef, word: str) -> bool:
-    """Whether a transition of a state waits for an outcome of that state itself."""
-    return word in transition.definition.on and transition.definition.of in (None, spot.name)
 
 
 def rival_actions(index: MissionIndex) -> Found:

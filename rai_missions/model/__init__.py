@@ -5,7 +5,7 @@ Imports nothing of the other packages.
 """
 
 from rai_missions.model.attribute_docs import explained
-from rai_missions.model.family import FAMILY, AnyOf, TaggedModel, kind_of
+from rai_missions.model.family import FAMILY, AnyOf, TaggedModel
 from rai_missions.model.fields import (
     LISTED,
     RECORDED,
@@ -72,7 +72,6 @@ __all__ = (
     "explained",
     "fault",
     "is_recorded",
-    "kind_of",
     "one_or_many",
     "refuse",
     "without_schema",

@@ -17,7 +17,7 @@ from rai_missions.model.fields import NAME, fault
 from rai_missions.model.mission_model import MissionModel
 from rai_missions.redaction import first_line, shown
 
-__all__ = ("FAMILY", "AnyOf", "TaggedModel", "kind_of")
+__all__ = ("FAMILY", "AnyOf", "TaggedModel")
 
 FAMILY = "x-family"
 """In a JSON Schema, before `schema.py` puts the kinds in its place."""
@@ -189,11 +189,6 @@ class _OfFamily:
         return {FAMILY: self._family.__name__}
 
 
-def kind_of(family: type[TaggedModel]) -> Any:
-    """The field type for any member of a family."""
-    return Annotated[family, _OfFamily(family)]
-
-
 Member = TypeVar("Member", bound=TaggedModel)
 
 if TYPE_CHECKING:
@@ -205,4 +200,4 @@ else:
         """`AnyOf[Guard]`: the field type for any member of a family."""
 
         def __class_getitem__(cls, family: type[TaggedModel]) -> Any:
-            return kind_of(family)
+            return Annotated[family, _OfFamily(family)]

@@ -168,7 +168,7 @@ def free_spot(
     return None
 
 
-def place_for_the_hand(scene: Scene, workspace: Workspace | None = None) -> Pose | None:
+def place_for_the_hand(scene: Scene) -> Pose | None:
     """Where the gripper may set down what it holds, whatever that is: as much room as the longest thing needs.
 
     None where the gripper is not known to hold anything, and where nothing that it may hold is seen.
@@ -177,5 +177,5 @@ def place_for_the_hand(scene: Scene, workspace: Workspace | None = None) -> Pose
     if scene.gripper != "holding" or not things:
         return None
     longest = max(things, key=lambda thing: max(thing.size))
-    spot = free_spot(longest, scene.things, workspace or Workspace(), LEAST_M)
+    spot = free_spot(longest, scene.things, Workspace(), LEAST_M)
     return Pose.of(spot) if spot is not None else None
