@@ -118,7 +118,9 @@ class ConversationalAgent:
         self._received: deque[Work] = deque()
         """What is done in its turn: one piece, then all else that was posted meanwhile, then the next."""
         self._count = self._waiting = 0
-        self._pace, self._stops = DoorPace(), DoorPace()
+        self._pace, self._stops, self._looks = DoorPace(), DoorPace(), DoorPace()
+        """Of sentences, of plain stops, and of looks for a stop in what else comes in a flood, which take milliseconds.
+        """
         self._lock = threading.Lock()
         self._is_news = False
         self._is_open = True
@@ -254,7 +256,7 @@ class ConversationalAgent:
         if not text.strip():
             return "there is no text in it"
         door = f"{channel} {role}"
-        if not self._pace.take(door) and not (self._stops.take(door) and self.is_stop(text)):
+        if not self._may_come(text, door):
             return "too many sentences at once; wait a moment"
         with self._lock:
             if self._waiting >= MOST_WAITING and not self.is_stop(text):
@@ -267,6 +269,14 @@ class ConversationalAgent:
         with self._lock:
             self._waiting -= 1
         return "the conversation has ended"
+
+    def _may_come(self, text: str, door: str) -> bool:
+        """Whether the door has not had too many sentences; what else comes uses up nothing of a stop."""
+        if self._pace.take(door):
+            return True
+        if len(text) <= LONGEST_STOP and self._grammar.is_plain_stop(text):
+            return self._stops.take(door)
+        return self._looks.take(door) and self.is_stop(text)
 
     def is_stop(self, text: str) -> bool:
         """Whether a sentence orders to stop, by the grammar alone; from any thread."""

@@ -32,6 +32,7 @@ LONGEST_ALARM = 10
 """Words of the longest clause that cries of harm."""
 LEAST_REFUSALS = 3
 """How often a no is cried with which a person refuses what the robot does."""
+NO_RUN = StatusView()
 LETTERS = re.compile(r"[^\W\d_]+")
 CRY = re.compile(r"^\W*\w+\W*")
 """The first word of a text, with the signs around it."""
@@ -62,6 +63,10 @@ class Grammar:
         self._lists = OrderLists(self.sentence)
         self._negations = frozenset(language.data["claims"]["negations"])
         self._no_stop_behind = frozenset([*language.data["turning"], *language.data["ahead_of_a_stop"]])
+
+    def is_plain_stop(self, text: str) -> bool:
+        """Whether it is a phrase of the language that orders to stop, as it is: some microseconds, as a flood needs."""
+        return STOP in self.sentence.senses(self.language.normaliser.words(text), NO_RUN)
 
     def senses(
         self, text: str, view: StatusView, draft: Draft | None = None, *, is_typed: bool = True

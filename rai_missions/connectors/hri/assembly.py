@@ -122,9 +122,14 @@ class Assembly:
 
     def _make_room(self) -> Iterator[ReceivedMessage]:
         while len(self._open) > self._most_open:
-            yield self._end(next(iter(self._open)), f"more than {self._most_open} messages are incomplete")
+            yield self._push_out(f"more than {self._most_open} messages are incomplete")
         while self._held > self._most_held:
-            yield self._end(next(iter(self._open)), f"incomplete messages are more than {self._most_held} bytes")
+            yield self._push_out(f"incomplete messages are more than {self._most_held} bytes")
+
+    def _push_out(self, why: str) -> ReceivedMessage:
+        """The oldest has to go; a lone first part counts as the whole message, as it would in its time."""
+        sender, sequence = next(iter(self._open.items()))
+        return self._end(sender, "" if sequence.is_lone else why)
 
     def _due(self, sequence: _Sequence) -> float:
         if sequence.is_lone:

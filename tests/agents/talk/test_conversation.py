@@ -287,6 +287,18 @@ def test_an_end_that_no_one_could_read_is_reported_when_a_door_opens_and_marked(
         assert talk.screen.until(lambda line: line.report.endswith(":end") and not line.spoken).repeated
 
 
+@pytest.mark.parametrize("stop", ["stop", "Stop!", "please stop now", "halt"])
+def test_a_stop_comes_through_a_flood_at_its_door(stop: str) -> None:
+    with talked() as talk:
+        running(talk)
+        refusals = [talk.agent.receive(f"flood {n}", role="person", channel="topic", author="F") for n in range(100)]
+        assert refusals[-1] == "too many sentences at once; wait a moment"
+        assert talk.agent.receive(stop, role="person", channel="topic", author="Anna") == ""
+        talk.until(lambda: talk.rig.runner.view.mode == "paused")
+        refusals = [talk.agent.receive("stop", role="person", channel="topic", author="F") for _ in range(100)]
+        assert refusals[-1] == "too many sentences at once; wait a moment"
+
+
 def test_a_reply_at_a_door_that_is_shut_is_shown_once_and_marked() -> None:
     page = TextDoor("page", lambda _: None, lambda: False)
     with talked(doors=[page]) as talk:

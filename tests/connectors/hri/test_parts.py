@@ -114,11 +114,19 @@ def test_parts_that_contradict_each_other_are_reported_and_the_first_counts() ->
 
 def test_what_is_held_is_bounded_and_what_is_given_up_reported() -> None:
     assembly = Assembly(most_open=2, most_held=100)
-    assembly.add(part(0, ident="a"), 0.0), assembly.add(part(0, ident="b"), 0.0)
+    for ident in ("a", "b"):
+        assembly.add(part(0, ident=ident), 0.0), assembly.add(part(1, ident=ident), 0.0)
     assert whys(assembly.add(part(0, ident="c"), 0.0)) == ["more than 2 messages are incomplete"]
     (found,) = assembly.add(part(1, "x" * 99, ident="c"), 0.0)
     assert (found.message.communication_id, found.why) == ("b", "incomplete messages are more than 100 bytes")
     assert whys(assembly.add(part(1000), 0.0)) == ["part 1000: a message has 1000 parts at the most"]
+
+
+def test_a_flood_pushes_no_lone_first_part_out_unread() -> None:
+    assembly = Assembly(most_open=2)
+    assembly.add(part(0, "stop", ident="a"), 0.0), assembly.add(part(0, ident="b"), 0.0)
+    (found,) = assembly.add(part(0, ident="c"), 0.0)
+    assert (found.message.text, found.why) == ("stop", ""), "it may be the whole message, as at its time"
 
 
 def test_a_message_that_grows_too_large_is_given_up() -> None:
