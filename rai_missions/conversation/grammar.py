@@ -62,7 +62,9 @@ class Grammar:
         """The grammar of each of its sentences."""
         self._lists = OrderLists(self.sentence)
         self._negations = frozenset(language.data["claims"]["negations"])
-        self._no_stop_behind = frozenset([*language.data["turning"], *language.data["ahead_of_a_stop"]])
+        self._no_stop_behind = frozenset(
+            word for name in ("turning", "ahead_of_a_stop", "quoting") for word in language.data[name]
+        )
 
     def is_plain_stop(self, text: str) -> bool:
         """Whether it is a phrase of the language that orders to stop, as it is: some microseconds, as a flood needs."""
@@ -79,7 +81,7 @@ class Grammar:
             draft: The order that it may correct.
             is_typed: Whether it is for the robot in any case; what is spoken may be for others.
         """
-        text = self._unrepeated(text)
+        text = self.unrepeated(text)
         words = self.language.normaliser.words(text)
         if self.language.warnings["admiring"].fits(words):
             text = CRY.sub("", text)  # that `whoa` stops nothing; what is behind it may
@@ -94,7 +96,7 @@ class Grammar:
         if several and not is_open:
             return several
         parts = self.language.normaliser.parts(text) if is_open and not several else []
-        edges = self._edges(text, view) if is_open else []
+        edges = self._edges(text, view, is_typed=is_typed) if is_open else []
         is_stop = any(sense.is_stop for sense in several)
         is_urgent = is_open and not is_stop
         if is_urgent and (self._is_cried(text, words, edges, view) or self._is_stop_passed_on(words, view)):
@@ -110,7 +112,7 @@ class Grammar:
 
     def answers(self, text: str, questions: Sequence[Question]) -> bool:
         """Whether a sentence would answer one of these questions, as a whole or as a correction."""
-        words = self.language.normaliser.words(self._unrepeated(text))
+        words = self.language.normaliser.words(self.unrepeated(text))
         return self.sentence.answers(self.language.normaliser.bare(words), questions)
 
     def free_answer(self, text: str, view: StatusView) -> Sense | None:
@@ -134,13 +136,13 @@ class Grammar:
 
     def question_by_sense(self, text: str, view: StatusView) -> Sense | None:
         """What a sentence without another meaning asks in words of its own; None where it asks for no state."""
-        return self.sentence.questions.by_sense(self._unrepeated(text), view)
+        return self.sentence.questions.by_sense(self.unrepeated(text), view)
 
     def answers_by_sense(self, text: str, view: StatusView) -> tuple[Sense, ...]:
         """What a sentence without another meaning answers in words of its own, to be read back."""
-        return tuple(self.sentence.options.by_sense(self._unrepeated(text), view))
+        return tuple(self.sentence.options.by_sense(self.unrepeated(text), view))
 
-    def _unrepeated(self, text: str) -> str:
+    def unrepeated(self, text: str) -> str:
         """A sentence that repeats words, letters or beginnings, with them once: `go!` of `go, g-go, gooo!`."""
         text = LETTERS.sub(lambda word: self._undrawn(word[0]), STUTTERED.sub("", text))
         words = self.language.normaliser.words(text)
@@ -154,7 +156,7 @@ class Grammar:
 
     def refuses(self, text: str) -> bool:
         """Whether it is a no that is cried again and again: `no no no no`."""
-        words = self.language.normaliser.words(self._unrepeated(text))
+        words = self.language.normaliser.words(self.unrepeated(text))
         return len(words) == 1 and self.language.no.fits(words) and text.lower().count(words[0]) >= LEAST_REFUSALS
 
     def _undrawn(self, word: str) -> str:
@@ -205,22 +207,29 @@ class Grammar:
         if len(words) <= LONGEST_WARNING:
             stops = (at for at in range(1, len(words)) if words[at] in data["stops"])
             turns += [at for at in stops if words[at - 1] not in self._no_stop_behind]
-        return any(STOP in self.sentence.senses(words[at:], view) for at in turns[-2:])
+        behind = (self._slipped(words[at:]) for at in turns[-2:])
+        typed = (each for each in behind if each and (each[0] in data["stops"] or each[0] not in data["mishearings"]))
+        return any(STOP in self.sentence.senses(each, view) for each in typed)  # `but stopped` is misheard, not typed
 
     def _begins_with_stop(self, words: list[str], view: StatusView) -> bool:
         """Whether a short clause begins with the word to stop and is no other: `stop you fool`."""
         language, stopping = self.language, self.language.warnings["stopping"]
         if not 0 < len(words) <= LONGEST_WARNING:
             return False
-        if not self.sentence.knows(words[0]):
-            meant = (each for each in sorted(stopping.words) if is_slip(words[0], each))
-            words = [next(meant, words[0]), *words[1:]]
+        words = self._slipped(words)
         is_reported = not set(words).isdisjoint(language.data["quoting"])
         is_of_another = any(each.name != view.mission for each in missions_named(words[1:], view, language))
         is_on_condition = any(language.conditions.begin(words[at:]) for at in range(1, len(words)))
         is_stop = stopping.fits(words) or language.orders["stop"].fits(words)
         is_otherwise = is_reported or is_on_condition or is_of_another or language.warnings["no_stop"].fits(words)
         return is_stop and not is_otherwise
+
+    def _slipped(self, words: list[str]) -> list[str]:
+        """The words, the first one as the stop that a slip of the keyboard made it of."""
+        if not words or self.sentence.knows(words[0]):
+            return words
+        meant = (each for each in sorted(self.language.warnings["stopping"].words) if is_slip(words[0], each))
+        return [next(meant, words[0]), *words[1:]]
 
     def _is_stop_passed_on(self, words: list[str], view: StatusView) -> bool:
         """Whether another person wants a stop, `Mila wants you to stop`; not where none does, or in a question."""
@@ -244,12 +253,16 @@ class Grammar:
         )
         return is_whole or any(map(warnings["alone"].fits, edges))
 
-    def _edges(self, text: str, view: StatusView) -> list[list[str]]:
-        """The first clause and the last one, the last one after no condition; and each sentence of a few."""
+    def _edges(self, text: str, view: StatusView, *, is_typed: bool) -> list[list[str]]:
+        """The first clause and the last one, the last one after no condition; and each sentence of a few.
+
+        What is typed may name others: `she was like that, stop`; in speech, what is behind them may be their words.
+        """
         normaliser = self.language.normaliser
         parts = normaliser.parts(text)
         whole = [normaliser.words(each) for each in parts[1:-1] if len(parts) <= MOST_PARTS]
-        clauses = [normaliser.words(each) for each in normaliser.clauses(text)]
+        split = [normaliser.clauses(text), *([normaliser.remarks(text)] if is_typed else [])]
+        clauses = [normaliser.words(each) for each in max(split, key=len)]
         is_on_condition = any(map(self.language.conditions.begin, clauses[:1]))
         edges = [*clauses[:1], *whole, *([] if is_on_condition else clauses[1:][-1:])]
         return [list(once(normaliser.bare(words, called(view.robot)))) for words in edges]
@@ -294,7 +307,14 @@ class Grammar:
         if not is_start or len(then) != 1 or not self.language.correction.fits(then[0]):
             return ()
         found = self.sentence.senses(then[0], view, Draft(first[0]))
-        return found if is_order(found) and all(each.name == first[0].name for each in found) else ()
+        if not is_order(found):
+            return ()
+        is_plain = first[0].name in self.language.orders and found[0].name in self.language.orders
+        if is_plain and not self.language.no.fits(
+            then[0][:1]
+        ):  # `cancel, I mean pause`, but not `cancel? no, continue`
+            return tuple(each._replace(is_partial=True) for each in found)
+        return found if all(each.name == first[0].name for each in found) else ()
 
 
 def _is_open(senses: Sequence[Sense]) -> bool:

@@ -119,6 +119,13 @@ class Language(LanguageTexts):
         whole = (word.removesuffix(end) + full for end, full in clipped.items() if word.endswith(end))
         return word if word in known else next((each for each in whole if each in known), word)
 
+    def spelled(self, word: str, known: Collection[str]) -> str:
+        """A known word that a keyboard without its letters has written: `küche` of `kueche`; any other as it is."""
+        whole = word
+        for written, letter in self.data["spellings"].items():
+            whole = whole.replace(written, letter)
+        return word if word in known or whole not in known else whole
+
     def imperative(self, words: Sequence[str]) -> list[str]:
         """An order whose verb has another form, as it is in an order: `go home` of `going home`.
 
@@ -167,7 +174,10 @@ class Language(LanguageTexts):
         return self.examples(self._with_verbs(phrase))
 
     def _with_verbs(self, phrase: str) -> str:
-        return self._verb.sub(lambda found: f"<{part_of_verb(found[0])}>", self._own(phrase))
+        """The phrase with each verb of its sense, and with each form of a preposition: `ins` for `in`."""
+        forms: Mapping[str, str] = self.data["prepositions_written"]
+        own = self._verb.sub(lambda found: f"<{part_of_verb(found[0])}>", self._own(phrase))
+        return WORD.sub(lambda found: f"({forms[found[0]]})" if found[0] in forms else found[0], own)
 
     def _own(self, phrase: str) -> str:
         return WORD.sub(lambda found: self.written_out(found[0]), phrase)

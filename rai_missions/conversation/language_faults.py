@@ -31,6 +31,8 @@ OF_OWN_WORDS = frozenset(
         "mishearings",
         "numbers",
         "ordinals",
+        "prepositions_written",
+        "spellings",
         "parts",
         "questions_alone",
         "unit_words",

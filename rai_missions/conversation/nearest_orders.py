@@ -112,7 +112,8 @@ class NearestOrders:
         """The clauses that may ask for something; none behind a condition, and with a negation or words of others."""
         is_short = LEAST_WORDS <= len(words) <= MOST_WORDS
         bare = [self._language.normaliser.bare(each) for each in clauses]
-        is_refused = self._unordered & set(words) or any(map(self._language.excepting.within, bare))
+        free = {word for each in bare if not self._wanted(each) for word in each}  # `I can not find my keys`
+        is_refused = self._unordered & free or any(map(self._language.excepting.within, bare))
         if not is_short or is_refused or any(map(self._language.conditions.within, bare)):
             return []
         return [each for each in bare if each and self._may_ask(each)]

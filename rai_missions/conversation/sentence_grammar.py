@@ -271,7 +271,7 @@ class SentenceGrammar:
         mended = [misheard.get(word, word) if word not in known else word for word in short]
         if len(words) == 1:
             mended = [misheard.get(short[0], short[0])]
-        certain = [self.language.unclipped(word, known) for word in mended]
+        certain = [self.language.spelled(self.language.unclipped(word, known), known) for word in mended]
         near = [nearest(word, known) for word in certain]
         yield from (each for each, before in ((certain, words), (near, certain)) if each != before)
 

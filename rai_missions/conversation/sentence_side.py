@@ -132,6 +132,8 @@ class SentenceSide:
             senses = self._answered_by_sense(utterance.text, utterance.role) or senses
         if all(sense.kind == "fault" for sense in senses):
             senses = self._suggested(utterance, senses) or senses
+            if (stop := _stop_in([senses])) is not None:
+                return self._stop(stop, each, utterance)  # it needs no confirmation
         if not senses:
             return "unknown"
         if senses[0].kind in DECISIONS:
@@ -217,16 +219,17 @@ class SentenceSide:
             utterance: The sentence.
             faults: What the whole means, with values that do not fit; a start must have one for each.
         """
-        if self._talk.settings.has_model or utterance.is_spoken or self._orders.confirmation.order is not None:
+        if self._talk.settings.has_model or utterance.is_spoken:
             return ()
         text = utterance.text
+        if self._orders.confirmation.order is not None:
+            return () if faults else self._asked_by_sense(text)
         if senses := self._answered_by_sense(text, utterance.role):
             return senses
         senses = self._grammar.without_reasons(text, self._talk.view)
         senses = senses or self._suggestions.suggested(text, self._talk.view)
         if not senses and not faults:
-            asked = self._grammar.question_by_sense(text, self._talk.view)
-            return (asked,) if asked is not None else ()
+            return self._asked_by_sense(text)
         orders = [order for sense in senses for order in sense.orders]
         values = {name for order in orders for name in order.arguments}
         is_filled = all(each.lacks and values.issuperset(each.lacks) for each in faults)
@@ -234,6 +237,11 @@ class SentenceSide:
             return ()
         is_allowed = not any(forbidden(sense, utterance.role, self._talk.settings) for sense in senses)
         return self._answerable(senses) if is_allowed else ()
+
+    def _asked_by_sense(self, text: str) -> tuple[Sense, ...]:
+        """The question of state that a sentence asks in words of its own."""
+        asked = self._grammar.question_by_sense(text, self._talk.view)
+        return (asked,) if asked is not None else ()
 
     def _answered_by_sense(self, text: str, role: Role) -> tuple[Sense, ...]:
         """The options that a typed sentence asks for in words of its own, where its role may answer."""
@@ -270,6 +278,9 @@ class SentenceSide:
         answers = [sense for sense in possible if sense.name == "answer"]
         if len(answers) == 1 and all(sense.name == "pause" for sense in possible if sense not in answers):
             return answers[0]._replace(is_partial=True)  # `wait`, where this is offered
+        pauses = [sense for sense in possible if sense.name == "pause"]
+        if pauses and not utterance.is_spoken and all(sense.name in ("pause", "start") for sense in possible):
+            return pauses[0]  # `hang on a second`, while a mission runs
         choices = language.listed([self._choice(sense) for sense in possible], "or")
         self._speaking.reply("ambiguous", utterance, choices=choices)
         return None
@@ -326,7 +337,8 @@ class SentenceSide:
 
     def _name_left_out(self, sense: Sense, utterance: Utterance) -> None:
         """What a typed stop or pause has besides counts for nothing: the person is informed."""
-        left = "" if utterance.is_spoken else self._suggestions.left_out(utterance.text, sense, self._talk.view)
+        text = self._grammar.unrepeated(utterance.text)
+        left = "" if utterance.is_spoken else self._suggestions.left_out(text, sense, self._talk.view)
         if left and not sense.rest:
             self._speaking.reply("left_out", utterance, rest=cut(left, LONGEST_REASON))
 

@@ -44,8 +44,8 @@ class StateQuestions:
     def by_sense(self, text: str, view: StatusView) -> Sense | None:
         """The question in a clause that asks in words of its own, by what it asks for; None in any other sentence."""
         for clause in self._language.normaliser.remarks(text):
-            words = next(self._language.normaliser.openings(self._language.normaliser.words(clause)), [""])
-            is_asked = self._is_asking(words) or clause.rstrip().endswith("?")
+            openings = list(self._language.normaliser.openings(self._language.normaliser.words(clause))) or [[""]]
+            words, is_asked = openings[0], any(map(self._is_asking, openings)) or clause.rstrip().endswith("?")
             for name, phrases in self._language.question_senses.items() if is_asked else ():
                 path = key_within(words, view.keys, self._language) if name == "key" else ""
                 if phrases.within(words) and (path or name != "key"):

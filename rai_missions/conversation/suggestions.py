@@ -50,6 +50,7 @@ class Suggestions:
         self._joints, self._addressed = frozenset(data["clause_joints"]), frozenset(data["addressed"])
         self._addressing = frozenset(data["addressing"])
         self._unordered = frozenset([*data["claims"]["negations"], *data["quoting"]])
+        self._going = [[word] for word in data["going"]]
         self._requesting, self._reasoning = frozenset(data["requesting"]), frozenset(data["reasoning"])
         self._place_joints: Sequence[str] = data["place_joints"]
         self._place_pronouns = sorted((each.split() for each in data["place_pronouns"]), key=len, reverse=True)
@@ -114,9 +115,15 @@ class Suggestions:
             words
             for words, senses in zip(clauses, meant, strict=True)
             if (senses or self._may_ask(words, is_behind=True))
+            and not (sense.is_stop and self._cries_stop(words))
             and all(each.kind in ("order", "fault") and each.identity not in read for each in senses)
         )
         return ", ".join(map(" ".join, left))
+
+    def _cries_stop(self, words: Sequence[str]) -> bool:
+        """Whether a clause begins or ends with the order to stop."""
+        stop = self._language.orders["stop"]
+        return stop.begin(words) or any(stop.fits(words[at:]) for at in range(len(words)))
 
     def _may_ask(self, words: list[str], *, is_behind: bool) -> bool:
         """Whether a clause without a meaning may ask for something, so that it must not be left out unnamed.
@@ -164,7 +171,7 @@ class Suggestions:
                 if word not in self._joints or self._language.excepting.fits([*part[-1:], word]):
                     part.append(word)
                 elif part:
-                    yield part
+                    yield from [] if part in self._going else [part]  # `go and find it` is one order
                     part = []
             if part and tuple(part) not in self._openings:
                 yield part

@@ -222,3 +222,24 @@ def test_a_stop_counts_with_its_reason_behind_it_and_no_comma_whatever_is_ahead(
         assert missed == [], cried
         now = [when for when in LATER[code] if STOP in grammar.senses(f"{cried} {when}", ASSISTING)]
         assert now == [], cried
+
+
+@pytest.mark.parametrize(("text", "given"), [
+    ("fahr in die Kueche", {"task": "go", "place": "kitchen"}), ("geh ins Kueche", {"task": "go", "place": "kitchen"}),
+    ("komm zurueck", {"task": "back"}), ("fahr zur Diele", {"task": "go", "place": "hall"}),
+])  # fmt: skip
+def test_german_is_read_without_its_own_letters_and_with_each_form_of_a_preposition(
+    text: str, given: dict[str, str]
+) -> None:
+    phrases = {"(fahr|geh) (in|zu) {place}": {"task": "go"}, "komm zurück": {"task": "back"}}
+    german = language("de")
+    found = Grammar(german, StartPhrases(phrases, PLACES["de"], german)).senses(text, ASSISTING)
+    assert [dict(each.arguments) for each in found] == [given]
+
+
+@pytest.mark.parametrize(("text", "name"), [
+    ("cancel, I mean pause", "pause"), ("resume, I mean cancel", "cancel"), ("cancel, sorry, pause", "pause"),
+])  # fmt: skip
+def test_an_order_that_corrects_another_in_its_sentence_is_read_back_alone(text: str, name: str) -> None:
+    (found,) = Grammar(language("en")).senses(text, ASSISTING)
+    assert (found.name, found.then, found.is_partial) == (name, (), True)

@@ -46,6 +46,7 @@ UNREAD = {
         "I've lost the bloody remote": {"task": "find", "object": "bloody remote"},
         "My husband has hidden the remote again, go sniff it out would you": {"task": "find", "object": "remote"},
         "my glasses are gone": {"task": "find", "object": "glasses"},
+        "I can't find my remote anywhere...": {"task": "find", "object": "remote"},
     },
     "de": {
         "auf in Richtung Küche": {"task": "go", "place": "kitchen"},
@@ -53,6 +54,7 @@ UNREAD = {
         "gönn mir 20 Sekunden Ruhe": {"task": "wait", "wait_s": 20},
         "ich brauche meine Schlüssel": {"task": "find", "object": "schlüssel"},
         "mein Ladekabel ist weg": {"task": "find", "object": "ladekabel"},
+        "ich finde meine Brille nicht mehr": {"task": "find", "object": "brille"},
     },
 }
 """Sentences that no rule reads → the arguments of what is offered first."""
@@ -76,6 +78,7 @@ NOTHING = {
     ),
     "de": (
         "die Küche duftet heute herrlich",
+        "gestern lag der Ball noch in der Küche",
         "meine Tasse zerbrach gestern",
         "bloß nicht die Küche",
         "wenn es regnet Küche unter Wasser",

@@ -7,7 +7,7 @@ from itertools import product
 
 import pytest
 
-from rai_missions.conversation import Dialogue, Order, Utterance
+from rai_missions.conversation import Dialogue, Order, Speech, Utterance
 from rai_missions.conversation.grammar import Grammar
 from rai_missions.conversation.language import language, languages
 from rai_missions.conversation.senses import STOP
@@ -73,12 +73,14 @@ HARM = {
         "stop for goodness sake it's burning", "you stop", "watch where you're going", "stay right where you are",
         "it's going to run over the dog, someone halt that thing", "freeze for a bit",
         "Whoa this is a pretty narrow door, stop!", "Whoa, you are going to hit that beautiful vase",
-        "whoa you almost hit my lovely vase", "whoa that is pretty close",
+        "whoa you almost hit my lovely vase", "whoa that is pretty close", "I mean stop again!", "stop again",
+        "she is not looking, stop", "they were my mother's, she was like that, and STOP",
     ),
     "de": (
         "du stehst auf meinem Fuß", "du rammst gleich den Schrank", "gleich kippt die Vase um", "Aua, mein Fuß!",
         "das Kind!!", "weg von dem Kind", "aufhören", "schalt das ab", "stoppt das Ding",
-        "rühr dich nicht",
+        "rühr dich nicht", "Rühr dich nicht vom Fleck", "stoppt", "Not-Halt!", "Arm anhalten, mein Finger!",
+        "Brr, steh!", "bitte nicht mehr bewegen", "sie guckt nicht, stopp",
         "kann den mal jemand anhalten", "du stehen bleiben", "Ich sagte stopp, hörst du nicht?",
         "Bleib mal kurz stehen", "Wow, stopp!", "Hui, das ist schön, halt an!", "Boah, du überfährst die Katze!",
     ),
@@ -92,6 +94,7 @@ NO_HARM = {
         "why won't the rain stop?", "someone stop the music", "Whoa, that is a nice robot", "whoa this is cool",
         "Whoa, you look really great", "whoa what a pretty nice garden", "whoa, I like it",
         "no, no, I like it", "my foot hurts today", "The cat is so cute!", "I shouted that we should stop at the shop",
+        "he wanted to go but stopped", "it was fun but it has stopped", "she replied, stop", "they all yelled: stop",
         "he is going to crash at my place tonight", "it is falling asleep", "switch off the tv please",
     ),
     "de": (
@@ -155,6 +158,17 @@ def test_an_alarm_that_is_typed_stops_and_talk_of_harm_stops_nothing(code: str) 
     grammar = Grammar(language(code))
     assert [each for each in HARM[code] if STOP not in grammar.senses(each, ASSISTING)] == []
     assert [each for each in NO_HARM[code] if STOP in grammar.senses(each, ASSISTING)] == []
+
+
+@pytest.mark.parametrize("text", [
+    "because the floor is wet you should stop", "p-pause", "st-stop", "sto stop", "stop stop it's a child!!",
+])  # fmt: skip
+def test_a_stop_or_a_pause_that_is_typed_counts_at_once_and_nothing_of_it_is_named_as_left_out(text: str) -> None:
+    found = Dialogue(settings_in("en", {}, {}), view=PATROLLING).on_utterance(
+        Utterance(text, "operator", "terminal", "Eve", 1.0), PATROLLING
+    )
+    assert [each.name for each in found if isinstance(each, Order)] == ["pause" if "pause" in text else "stop"]
+    assert not [each.text for each in found if isinstance(each, Speech) and "else" in each.text]
 
 
 @pytest.mark.parametrize("channel", ["terminal", "page", "voice"])
