@@ -196,13 +196,13 @@ def _is_start(found: Sequence[Symbol], at: int) -> bool:
 def _asking(found: Sequence[Symbol], data: Mapping[str, Any]) -> Iterator[Symbol]:
     """With a verb at the beginning of a sentence as what it is there, a question: `should red be on blue`.
 
-    `Can the cube …` asks what is possible, unless it has a place to which it moves.
+    `Can the cube …` asks what is possible, unless it has a place to which it moves, or another to trade places with.
     One that follows its things, where no word of a wish came before, reports: `the cubes lie on the tray`. After such
     a word a verb that reports is none: `make sure the apple is in the tray`. `Where it is` stays as it is.
     """
     is_first, is_address, is_wish, is_where, before = True, True, False, False, ""
     wishing = set(data["wishing"])
-    is_moved = any(each.kind == "relation" for each in found) and not any(
+    is_moved = any(each.kind == "relation" or each.value == "swap" for each in found) and not any(
         each.text in data["reports"] for each in found
     )
     asks = {

@@ -42,6 +42,13 @@ def test_a_wish_with_a_verb_of_a_question_stays_one(request_: str) -> None:
     assert reading_of(request_, SCENES["full"]).goal == goal({"in": ["apple", "bin"]})
 
 
+@pytest.mark.parametrize("verb", ["could", "can"])
+def test_a_request_that_two_things_trade_places_is_one_and_a_question_how_they_lie_is_none(verb: str) -> None:
+    found = reading_of(f"{verb} the apple and the carrot trade places?", SCENES["full"])
+    assert found.goal == goal({"swapped": ["apple", "carrot"]})
+    assert reading_of(f"{verb} the apple and the carrot touch each other?", SCENES["full"]).goal is None
+
+
 @pytest.mark.parametrize("seen", SCENES)
 @pytest.mark.parametrize("colour", ["red", "blue", "green"])
 def test_a_question_which_thing_is_meant_names_each_once(seen: str, colour: str) -> None:
