@@ -87,7 +87,7 @@ class Grammar:
             text = CRY.sub("", text)  # that `whoa` stops nothing; what is behind it may
             words = self.language.normaliser.words(text)
         whole = self.sentence.senses(words, view, draft)
-        if draft is None and self._refuses_a_kind(text):
+        if draft is None and any(each.name == "answer" for each in whole) and self._refuses_a_kind(text):
             whole = tuple(each for each in whole if each.name != "answer")
         is_open = _is_open(whole)
         corrected = self._corrected_within(words, view) if is_open else ()
@@ -261,8 +261,10 @@ class Grammar:
         normaliser = self.language.normaliser
         parts = normaliser.parts(text)
         whole = [normaliser.words(each) for each in parts[1:-1] if len(parts) <= MOST_PARTS]
-        split = [normaliser.clauses(text), *([normaliser.remarks(text)] if is_typed else [])]
-        clauses = [normaliser.words(each) for each in max(split, key=len)]
+        split = normaliser.clauses(text)
+        if is_typed and len(split) == 1:
+            split = normaliser.remarks(text)
+        clauses = [normaliser.words(each) for each in split]
         is_on_condition = any(map(self.language.conditions.begin, clauses[:1]))
         edges = [*clauses[:1], *whole, *([] if is_on_condition else clauses[1:][-1:])]
         return [list(once(normaliser.bare(words, called(view.robot)))) for words in edges]
