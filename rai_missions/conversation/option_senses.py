@@ -61,7 +61,11 @@ class OptionSenses:
         return list(self._meant(clauses, options))
 
     def _meant(self, clauses: Sequence[Sequence[str]], options: Sequence[Offer]) -> Iterator[Offer]:
-        """The options that clauses name or have a sense of; one with all its senses comes before a part of it."""
+        """The options that clauses name or have a sense of; one with all its senses comes before a part of it.
+
+        Where none has all its senses in the clauses, one that is no more than others comes before these: `drive on`
+        before `sound the horn and drive on`.
+        """
         meant = frozenset(name for words in clauses for name in self._advised(words))
         senses = {each.name: self._senses_of(each.name, each.about) for each in options}
         named = {each.name for each in options if any(self._names(words, each) for words in clauses)}
@@ -71,7 +75,8 @@ class OptionSenses:
             yield from found
             return
         parts = {each.name for each in whole for other in whole if senses[each.name] < senses[other.name]}
-        yield from (each for each in whole or found if each.name not in parts)
+        more = {each.name for each in found for other in found if senses[each.name] > senses[other.name]}
+        yield from (each for each in whole or found if each.name not in (parts if whole else more))
 
     def examples(self, offer: Offer) -> list[str]:
         """Plain sentences that ask for an option, by each of its senses."""

@@ -194,3 +194,30 @@ def test_without_a_question_nothing_is_an_answer(code: str) -> None:
         )
         assert not any(each.name == "answer" for each in found if isinstance(each, Order)), text
         assert all("option" not in (each or {}) for each in read_back(found)), text
+
+
+DRONE = {
+    "continue_inspection": "fly on to the next pole", "go_home": "fly back to the station",
+    "land_now": "land here at once",
+}  # fmt: skip
+MEANT = {
+    "en": {
+        "carry on": "continue_inspection", "keep going": "continue_inspection",
+        "continue but be careful": "continue_inspection", "bring it down": "land_now", "come down now": "land_now",
+        "we should come home": "go_home", "just turn back": "go_home", "I would get it on the ground": "land_now",
+    },
+    "de": {
+        "mach ruhig weiter": "continue_inspection", "flieg weiter zum nächsten": "continue_inspection",
+        "komm sofort runter": "land_now", "am besten landen": "land_now", "dreh lieber um": "go_home",
+        "du solltest zurückfliegen": "go_home",
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("code", "text"), [(code, text) for code, texts in MEANT.items() for text in texts])
+def test_to_continue_to_return_and_to_land_are_options_of_any_robot(code: str, text: str) -> None:
+    dialogue, view = Dialogue(Settings(language=code)), asking(DRONE)
+    found = dialogue.on_utterance(Utterance(text, "operator", "terminal", at=1.0), view)
+    notes = [each.data["order"] for each in found if isinstance(each, TalkNote) and each.kind == "read_back"]
+    assert not any(isinstance(each, Order) for each in found)
+    assert [order.get("option") for order in notes] == [MEANT[code][text]]
