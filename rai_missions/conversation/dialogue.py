@@ -62,6 +62,7 @@ class Dialogue:
             orders=self._orders,
             documents=self._documents,
             models=self._models,
+            offers=offers,
         )
 
     @property

@@ -6,9 +6,12 @@ Rule: what is offered is possible now, and its role may order it; it never takes
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rai_missions.conversation.inputs import Utterance
 from rai_missions.conversation.nearest_orders import NearestOrders
 from rai_missions.conversation.order_side import OrderSide
+from rai_missions.conversation.senses import Sense
 from rai_missions.conversation.talk import Talk
 
 __all__ = ("OfferSide",)
@@ -28,8 +31,22 @@ class OfferSide:
 
     def offer(self, utterance: Utterance) -> None:
         """Read the nearest order back, if there is one, with those that are near as well."""
+        self._offer(utterance, self._near(utterance))
+
+    def offer_by_names(self, utterance: Utterance) -> None:
+        """As `offer`, for a question that was read and has no answer: what has a name of the sentence is offered."""
+        self._offer(utterance, [sense for sense in self._near(utterance) if _is_by_names(sense)])
+
+    def _near(self, utterance: Utterance) -> list[Sense]:
         if utterance.is_spoken or self._orders.confirmation.order is not None:
-            return
+            return []
         near = self._nearest.nearest(utterance.text, self._talk.view)
-        if near := [sense for sense in near if self._orders.is_open(sense, utterance.role)]:
+        return [sense for sense in near if self._orders.is_open(sense, utterance.role)]
+
+    def _offer(self, utterance: Utterance, near: Sequence[Sense]) -> None:
+        if near:
             self._orders.take(near[0], utterance, mapper="nearest", others=near[1:])
+
+
+def _is_by_names(sense: Sense) -> bool:
+    return bool(sense.named) and all(isinstance(sense.arguments[name], str) for name in sense.named)

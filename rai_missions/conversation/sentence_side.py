@@ -18,6 +18,7 @@ from rai_missions.conversation.inputs import Utterance
 from rai_missions.conversation.language import spoken
 from rai_missions.conversation.model_side import ModelSide
 from rai_missions.conversation.names import option_place
+from rai_missions.conversation.offer_side import OfferSide
 from rai_missions.conversation.order_rules import forbidden, may, must_confirm
 from rai_missions.conversation.order_side import EarlierOrder, OrderSide
 from rai_missions.conversation.outputs import TalkTurn
@@ -55,6 +56,7 @@ class SentenceSide:
         orders: Where orders, and what confirms them, are judged.
         documents: Where a question is looked up that has no answer now.
         models: Where a question is answered that is joined to an order, and that no rule reads.
+        offers: Where an order is offered for a question that has no answer.
     """
 
     def __init__(
@@ -67,9 +69,10 @@ class SentenceSide:
         orders: OrderSide,
         documents: DocumentSide,
         models: ModelSide,
+        offers: OfferSide,
     ) -> None:
         self._talk, self._speaking, self._orders, self._documents = talk, speaking, orders, documents
-        self._models = models
+        self._models, self._offers = models, offers
         self._grammar, self._suggestions = grammar, suggestions
         self._unfinished = dict[tuple[str, str], EarlierOrder]()
         """Speaker → the order that its last sentence had refused or dropped, and which its next may complete."""
@@ -367,7 +370,12 @@ class SentenceSide:
         if self._is_answered(sense):
             self._speak_answer(sense, utterance)
         else:
-            self._documents.ask(utterance, lambda: self._speak_answer(sense, utterance))
+            self._documents.ask(utterance, lambda: self._answer_unknown(sense, utterance))
+
+    def _answer_unknown(self, sense: Sense, utterance: Utterance) -> None:
+        """What is known of it is spoken; the robot may look for what no fact names: `where is my lamp?`."""
+        self._speak_answer(sense, utterance)
+        self._offers.offer_by_names(utterance)
 
     def _speak_answer(self, sense: Sense, utterance: Utterance) -> None:
         text = self._talk.answers.answer(sense, self._talk.view, self._asker(utterance))
