@@ -312,9 +312,8 @@ class Grammar:
         if not is_order(found):
             return ()
         is_plain = first[0].name in self.language.orders and found[0].name in self.language.orders
-        if is_plain and not self.language.no.fits(
-            then[0][:1]
-        ):  # `cancel, I mean pause`, but not `cancel? no, continue`
+        is_refused = self.language.no.fits(then[0][:1])  # `cancel? no, continue`
+        if is_plain and not is_refused:  # `cancel, I mean pause`
             return tuple(each._replace(is_partial=True) for each in found)
         return found if all(each.name == first[0].name for each in found) else ()
 

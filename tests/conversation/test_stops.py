@@ -44,11 +44,12 @@ NO_ORDER = {
         "I live near the bus stop", "we made a short stop", "the rain will stop", "it never seems to stop",
         "don't worry but don't stop", "the kids never stop", "I love music non stop", "is that a pit stop",
         "he is nice but stop signs annoy him", "if you see the cup come back but stop at the door",
-        "where is the next stop", "you are so slow but don't stop",
+        "where is the next stop", "you are so slow but don't stop", "what happens if I type stop",
+        "freeze dried coffee",
     ),
     "de": (
         "wir machen einen kurzen Stopp", "ich fahre ohne Stopp", "das ist halt so", "ich bin halt müde",
-        "der nächste Stopp", "ich mag das, aber hör nicht auf",
+        "der nächste Stopp", "ich mag das, aber hör nicht auf", "was passiert wenn ich Stopp schreibe",
     ),
 }  # fmt: skip
 OTHERWISE = {
@@ -92,7 +93,7 @@ NO_HARM = {
         "they will hit the road at nine", "Ouch, that was a bad joke", "that's enough sugar for me",
         "turn it down a bit",
         "why won't the rain stop?", "someone stop the music", "Whoa, that is a nice robot", "whoa this is cool",
-        "Whoa, you look really great", "whoa what a pretty nice garden", "whoa, I like it",
+        "Whoa, you look really great", "whoa what a pretty nice garden", "whoa, I like it", "whoa nice",
         "no, no, I like it", "my foot hurts today", "The cat is so cute!", "I shouted that we should stop at the shop",
         "he wanted to go but stopped", "it was fun but it has stopped", "she replied, stop", "they all yelled: stop",
         "he is going to crash at my place tonight", "it is falling asleep", "switch off the tv please",
