@@ -45,6 +45,11 @@ class RobotTool(BaseTool):
     handle_tool_error: bool | str | Callable[[ToolException], str] | None = _failed
     handle_validation_error: Any = _not_understood
 
+    @property
+    def is_read_only(self) -> bool:
+        """Whether it only looks."""
+        return is_read_only(self)
+
     def _run(self, *given: Any, **words: Any) -> tuple[str | list[dict[str, Any]], Any]:
         try:
             result = self.act(*given, **words)

@@ -68,7 +68,7 @@ def test_a_picture_is_a_value_in_which_nothing_is_taken_without_steps(mission: M
 
 
 def test_a_decision_shows_its_options_in_words() -> None:
-    assessing = picture(tractor()).node("assessing")
+    assessing = picture(tractor()).by_name["assessing"]
     assert [(choice.name, choice.guard, choice.fallback) for choice in assessing.choices] == [
         ("drive_over", "obstacle.living is false and obstacle.height_m < 0.25", False),
         ("replan", "", False),
@@ -80,7 +80,7 @@ def test_a_decision_shows_its_options_in_words() -> None:
 
 
 def test_a_tree_hangs_in_its_state() -> None:
-    twigs = picture(tractor()).node("signalling").twigs
+    twigs = picture(tractor()).by_name["signalling"].twigs
     assert [(twig.path, twig.parent, twig.text) for twig in twigs] == [
         ("", None, "sequence"),
         ("sequence/0", "", "call horn; at most 2 s"),
@@ -92,8 +92,8 @@ def test_the_path_reports_how_often_and_when() -> None:
     drawn = picture(tractor(), tractor_path())
     anomaly = next(edge for edge in drawn.edges if edge.trigger == "anomaly")
     assert anomaly.taken.words() == "2× in steps 2, 5"
-    assert drawn.node("driving").entered.steps == (1, 4)
-    assert drawn.node("aborted").ended_here
+    assert drawn.by_name["driving"].entered.steps == (1, 4)
+    assert drawn.by_name["aborted"].ended_here
     assert (drawn.outcome, drawn.why, drawn.steps) == ("aborted", "'aborted' was reached", 6)
 
 

@@ -98,7 +98,7 @@ def test_a_behaviour_in_python_is_drawn_by_the_name_of_its_factory() -> None:
 
     around = Compound(initial="t", states={"t": TreeState(spray, tick_s=0.5)})
     mission = Mission("m", initial="around", states={"around": around})
-    [twig] = picture(mission).node("t").twigs
+    [twig] = picture(mission).by_name["t"].twigs
     assert twig.text.endswith("spray; ticked every 0.5 s")
     assert "spray" in dot_text(picture(mission))
     assert b"spray" in review(mission)

@@ -117,7 +117,8 @@ def test_a_recovery_forgets_what_is_low_but_not_near_the_robot() -> None:
 def tried(one: Any) -> dict[str, tuple[str, bool, float]]:
     """Every option of the patrol in a scene of the house → verdict, whether a person is touched, and the force (N)."""
     loaded = load_campaign(CAMPAIGN)
-    spec = {**one.spec, "options": {**one.spec["options"], "camera": False}}
+    stored = json.loads(one.spec)
+    spec = {**stored, "options": {**stored["options"], "camera": False}}
     asked = ask_in(SceneRecord(one.scene, "house", one.kind, one.seed, one.split, json.dumps(spec)), loaded.subject)
     assert asked.decision is not None
     found = rollouts(asked.decision, loaded.subject.options, longest_s=90.0)
