@@ -20,7 +20,6 @@ MOST_LINES, LONGEST_LINE = 20, 4096
 """Of its stderr: the last lines, and the characters with which each begins."""
 CLOSES_S = 1.5
 """What is left after a program's time to end: it is killed, and its last lines are read."""
-
 END_SIGNALS = frozenset({signal.SIGTERM, signal.SIGINT, signal.SIGHUP})
 """What asks a program to end; a shell adds 128 to the number of one that has ended it."""
 

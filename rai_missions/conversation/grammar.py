@@ -61,7 +61,6 @@ class Grammar:
         self.sentence = SentenceGrammar(language, phrases, questions)
         """The grammar of each of its sentences."""
         self._lists = OrderLists(self.sentence)
-        self._negations = frozenset(language.data["claims"]["negations"])
         self._no_stop_behind = frozenset(
             word for name in ("turning", "ahead_of_a_stop", "quoting") for word in language.data[name]
         )
@@ -152,7 +151,7 @@ class Grammar:
     def _refuses_a_kind(self, text: str) -> bool:
         """Whether it begins with a negation of a kind of things, and no sign between: `no horn`, but not `no, horn`."""
         first, *rest = self.language.normaliser.words(next(iter(self.language.normaliser.clauses(text)), "")) or [""]
-        return first in self._negations and bool(rest) and rest[0] not in self.language.articles
+        return first in self.language.negations and bool(rest) and rest[0] not in self.language.articles
 
     def refuses(self, text: str) -> bool:
         """Whether it is a no that is cried again and again: `no no no no`."""
@@ -235,7 +234,7 @@ class Grammar:
         """Whether another person wants a stop, `Mila wants you to stop`; not where none does, or in a question."""
         language = self.language
         is_asked = not set(words[:1]).isdisjoint(language.data["asking"])
-        if is_asked or not self._negations.isdisjoint(words):
+        if is_asked or not language.negations.isdisjoint(words):
             return False
         relayed = language.relayed.match(language.normaliser.bare(words))
         passed_on = (language.imperative(slots["order"].split()) for slots in relayed)

@@ -52,6 +52,8 @@ class Language(LanguageTexts):
         """Plain sentences of a phrase."""
         self._name_and_unit = lru_cache(MOST_NAMES)(self._split_name)
         self.articles = frozenset(data["articles"])
+        self.negations = frozenset(data["claims"]["negations"])
+        """The words that deny a clause: `not`, `never`."""
         self.spatial = frozenset(data["parts"]["spatial"].replace("|", " ").split())
         """The words that relate a thing to a place: `in`, `next`, `to`."""
         self._without_meaning = frozenset(word for table in NO_MEANING for word in data[table])

@@ -78,7 +78,7 @@ class NearestOrders:
         self._grammar, self._language, self._phrases = grammar, grammar.language, phrases
         self._suggestions, self._likeness = suggestions, likeness
         data = self._language.data
-        self._unordered = frozenset([*data["claims"]["negations"], *data["quoting"]])
+        self._unordered = self._language.negations.union(data["quoting"])
         self._asking, self._indefinite = frozenset(data["asking"]), frozenset(data["no_certain"])
         stating = frozenset([*self._language.articles, *data["owners"], *data["pronouns"], *data["subjects"]])
         self._stating = stating - frozenset(data["addressed"])

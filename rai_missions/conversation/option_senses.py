@@ -9,6 +9,7 @@ only excepted: the horn of `anything but the horn`. Of `wait or honk` both are f
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from itertools import takewhile
@@ -38,7 +39,7 @@ class OptionSenses:
         self._language, data = language, language.data
         self._senses, self._advising = language.option_senses, language.advising
         self._joints, self._senses_of = frozenset(data["clause_joints"]), lru_cache(MOST_OFFERS)(_senses_of)
-        self._negations, self._or = frozenset(data["claims"]["negations"]), language.text("or")
+        self._or = language.text("or")
         self._requesting, self._addressed = frozenset(data["requesting"]), frozenset(data["addressed"])
         self._asking = frozenset(data["asking"]) - self._requesting
         self._known = frozenset().union(*(each.words for each in self._senses.values()))
@@ -74,9 +75,10 @@ class OptionSenses:
         if any(self._or in words for words in clauses):
             yield from found
             return
-        parts = {each.name for each in whole for other in whole if senses[each.name] < senses[other.name]}
-        more = {each.name for each in found for other in found if senses[each.name] > senses[other.name]}
-        yield from (each for each in whole or found if each.name not in (parts if whole else more))
+        kept, is_worse = (whole, operator.lt) if whole else (found, operator.gt)
+        for each in kept:
+            if not any(is_worse(senses[each.name], senses[other.name]) for other in kept):
+                yield each
 
     def examples(self, offer: Offer) -> list[str]:
         """Plain sentences that ask for an option, by each of its senses."""
@@ -95,7 +97,8 @@ class OptionSenses:
     def _is_polite(self, words: Sequence[str]) -> bool:
         """Whether the negation in the middle is none: `can't you take another way`."""
         return len(words) == POLITE and all(
-            word in each for word, each in zip(words, (self._requesting, self._negations, self._addressed), strict=True)
+            word in each
+            for word, each in zip(words, (self._requesting, self._language.negations, self._addressed), strict=True)
         )
 
     def _mended(self, word: str) -> str:
@@ -118,7 +121,7 @@ class OptionSenses:
     def _may_begin(self, words: Sequence[str], at: int) -> bool:
         """Whether what is advised may begin at a word: ahead of others, behind a statement, or behind what advises."""
         before, clause = words[:at], takewhile(lambda word: word not in self._joints, words[at:])
-        if not self._negations.isdisjoint((*before, *clause)):  # `hup nicht`: a language may have it behind the verb
+        if not self._language.negations.isdisjoint((*before, *clause)):  # `hup nicht`: it may be behind the verb
             return False
         if (
             not before

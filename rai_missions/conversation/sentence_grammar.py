@@ -60,7 +60,7 @@ class SentenceGrammar:
         self.questions = StateQuestions(language, questions)
         pronouns = frozenset(language.data["pronouns"])
         self._things = frozenset(language.data["thing_pronouns"])
-        self._undecided = frozenset([*language.data["claims"]["negations"], language.text("or")])
+        self._undecided = language.negations | {language.text("or")}
         self._subjects = pronouns - self._things
         self._persons = pronouns - language.articles
         self._view: StatusView | None = None

@@ -49,7 +49,7 @@ class Suggestions:
         self._openings = frozenset(map(tuple, self._language.normaliser.lead))
         self._joints, self._addressed = frozenset(data["clause_joints"]), frozenset(data["addressed"])
         self._addressing = frozenset(data["addressing"])
-        self._unordered = frozenset([*data["claims"]["negations"], *data["quoting"]])
+        self._unordered = self._language.negations.union(data["quoting"])
         self._going = [[word] for word in data["going"]]
         self._requesting, self._reasoning = frozenset(data["requesting"]), frozenset(data["reasoning"])
         self._place_joints: Sequence[str] = data["place_joints"]

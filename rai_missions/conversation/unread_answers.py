@@ -34,7 +34,7 @@ class UnreadSentence(NamedTuple):
 def _unread(text: str, language: Language) -> UnreadSentence:
     """The kind of a sentence, by its first word, its sign at the end, and the place of its verb."""
     words = language.normaliser.bare(language.normaliser.words(text))
-    is_forbidding = bool(set(words[1:2]) & set(language.data["claims"]["negations"]))  # `do not`
+    is_forbidding = bool(language.negations.intersection(words[1:2]))  # `do not`
     is_asking = bool(words) and words[0] in language.data["asking"] and not is_forbidding
     if text.rstrip().endswith("?") or is_asking:
         return UnreadSentence("question", tuple(words))
@@ -68,10 +68,10 @@ class UnreadAnswers:
             is_first: It is the first such sentence of the conversation: what is read is named.
         """
         language, sentence = self._language, _unread(text, self._language)
-        if sentence.kind == "question" and (facts := self._answers.nearest(sentence.subject, view)):
-            return facts
         parts = [language.text(OPENINGS[sentence.kind])]
         if sentence.kind == "question":
+            if facts := self._answers.nearest(sentence.subject, view):
+                return facts
             parts += [self._asked(sentence.subject, view)]
         elif facts := self._reported(sentence.subject, view):
             parts += [language.text("reported", facts=facts)]
