@@ -59,7 +59,6 @@ IMPORTS_ROS = re.compile(rf"^(?:import|from) .*\b(?:{'|'.join(sorted(ROS))})\b",
 
 SHARED_NAMES = {
     "Call": "`call` of the format: a state that calls a service, and an effect that does",
-    "Command": "a command of the terminal, and one that a client sends to a mission; neither package sees the other's",
     "Goal": "of an action, in the ledger of the engine; and of a request, an arrangement of things",
     "Limits": "public in both packages: of one answer, and of one proof",
     "NavigateToPose": "the action of nav2_msgs, served by each world, and the arguments of the tool of that name",

@@ -11,8 +11,8 @@ from collections.abc import Callable
 from typing import Any
 
 from rai_missions.connectors.connector import Data, OnReport, Report
-from rai_missions.node.command import Command, CommandReply, from_ros, ignore_reply, mapping_in, who
-from rai_missions.node.command_server import CommandServer
+from rai_missions.node.order import ClientOrder, OrderReply, from_ros, ignore_reply, mapping_in, who
+from rai_missions.node.order_server import OrderServer
 from rai_missions.node.run_session import RunSession
 from rai_missions.node.status_message import StatusMessage
 
@@ -27,7 +27,7 @@ class RunServer:
         refused: Receives why a goal is rejected, which ROS has no word for.
     """
 
-    def __init__(self, commands: CommandServer, refused: Callable[[CommandReply], None]) -> None:
+    def __init__(self, commands: OrderServer, refused: Callable[[OrderReply], None]) -> None:
         self._commands, self._refused = commands, refused
         self._goal_id = ""
         self._report: OnReport | None = None
@@ -42,9 +42,9 @@ class RunServer:
         """Start the mission for a goal."""
         given = mapping_in(goal.get("arguments", ""), "arguments")
         if isinstance(given, str):
-            reply = CommandReply(False, given, goal_id)
+            reply = OrderReply(False, given, goal_id)
         else:
-            reply = self._commands.ask(from_ros(Command("start", who(goal.get("by")), goal_id, arguments=given)))
+            reply = self._commands.ask(from_ros(ClientOrder("start", who(goal.get("by")), goal_id, arguments=given)))
         if not reply.success:
             self._refused(reply)
             report(Report(goal_id, "rejected", {}, reply.why))
@@ -60,7 +60,7 @@ class RunServer:
         """Cancel the mission of a goal."""
         if goal_id == self._goal_id:
             self._is_unwanted = True
-            self._commands.submit(Command("cancel", "operator (~/run)", goal_id, role="operator"), ignore_reply)
+            self._commands.submit(ClientOrder("cancel", "operator (~/run)", goal_id, role="operator"), ignore_reply)
 
     def follow(self, status: StatusMessage) -> None:
         """What the mission is doing now."""

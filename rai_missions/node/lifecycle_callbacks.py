@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from rai_missions.errors import UsageError
-from rai_missions.node.command import Command, CommandReply, ignore_reply
-from rai_missions.node.command_server import CommandServer
 from rai_missions.node.managed_lifecycle import Finish
+from rai_missions.node.order import ClientOrder, OrderReply, ignore_reply
+from rai_missions.node.order_server import OrderServer
 from rai_missions.node.run_session import RunSession
 
 __all__ = ("DEACTIVATION", "LifecycleCallbacks")
@@ -31,7 +31,7 @@ class LifecycleCallbacks:
         finalized: Called once the node has been shut down.
     """
 
-    def __init__(self, commands: CommandServer, *, ready: Callable[[], None], finalized: Callable[[], None]) -> None:
+    def __init__(self, commands: OrderServer, *, ready: Callable[[], None], finalized: Callable[[], None]) -> None:
         self._commands, self._ready, self._finalized = commands, ready, finalized
         self._is_to_resume = False
         commands.close(UNCONFIGURED)
@@ -62,13 +62,13 @@ class LifecycleCallbacks:
             finish("")
             return
 
-        def end(reply: CommandReply) -> None:
+        def end(reply: OrderReply) -> None:
             self._is_to_resume = self._remains(reply)
             if self._is_to_resume:
                 self._commands.close(INACTIVE)
             finish(reply.why if self._is_to_resume else "")
 
-        self._commands.settle(Command("resume", "operator (activate)", role="operator"), end)
+        self._commands.settle(ClientOrder("resume", "operator (activate)", role="operator"), end)
 
     def deactivate(self, finish: Finish) -> None:
         """Pause the mission that runs; one that has not begun to move yet is canceled."""
@@ -81,7 +81,7 @@ class LifecycleCallbacks:
             return
         word = "cancel" if session.mode == "ready" else "pause"
 
-        def end(reply: CommandReply) -> None:
+        def end(reply: OrderReply) -> None:
             if self._remains(reply):
                 finish(reply.why)
                 return
@@ -89,7 +89,7 @@ class LifecycleCallbacks:
             self._commands.close(INACTIVE)
             finish("")
 
-        self._commands.settle(Command(word, DEACTIVATION, role="operator"), end)
+        self._commands.settle(ClientOrder(word, DEACTIVATION, role="operator"), end)
 
     def attend(self, session: RunSession) -> bool:
         """A run is about to begin; one whose node is not active by now is put to rest before it moves.
@@ -107,7 +107,7 @@ class LifecycleCallbacks:
             session.runner.cancel(DEACTIVATION)
         return is_deactivated and not closed
 
-    def _remains(self, reply: CommandReply) -> bool:
+    def _remains(self, reply: OrderReply) -> bool:
         """Whether a mission is under way as it was, because it refused an order."""
         return not reply.success and self._commands.live is not None
 
@@ -136,4 +136,4 @@ class LifecycleCallbacks:
         self._is_to_resume = False
         session = self._commands.live
         if session is not None:
-            session.submit(Command(word, by, role="operator"), ignore_reply)
+            session.submit(ClientOrder(word, by, role="operator"), ignore_reply)

@@ -14,12 +14,12 @@ from rai_missions.connectors.connector import Close, Reply
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.node.action_server import RunServer
-from rai_missions.node.command import Command, CommandReply, ignore_reply
-from rai_missions.node.command_server import PATIENCE_S, CommandServer
 from rai_missions.node.launched import parameters_of
 from rai_missions.node.lifecycle_callbacks import LifecycleCallbacks
 from rai_missions.node.managed_lifecycle import ManagedLifecycle, serve_lifecycle
 from rai_missions.node.names import NodeName
+from rai_missions.node.order import ClientOrder, OrderReply, ignore_reply
+from rai_missions.node.order_server import PATIENCE_S, OrderServer
 from rai_missions.node.publisher import StatusPublisher
 from rai_missions.node.run_host import RunHost
 from rai_missions.node.run_session import RunSession
@@ -75,7 +75,7 @@ class MissionNode:
             self._carrier, self.name, self._host, lambda: (self._lifecycle.state.label, self._lifecycle.fault)
         )
         self._finalized = threading.Event()
-        self._commands = CommandServer(self._begin if managed else None, self._publisher.changed)
+        self._commands = OrderServer(self._begin if managed else None, self._publisher.changed)
         self._acts = LifecycleCallbacks(self._commands, ready=self._ready, finalized=self._finalized.set)
         self._lifecycle = ManagedLifecycle(self._acts.by_label(), self._publisher.moved)
         self._closes: list[Close] = []
@@ -111,9 +111,9 @@ class MissionNode:
         """Cancel what runs, and close the node."""
         session = self._commands.live
         if session is not None and self._is_managed:
-            session.submit(Command("cancel", "stop", role="operator"), ignore_reply)
+            session.submit(ClientOrder("cancel", "stop", role="operator"), ignore_reply)
             self._host.join(session.runner.mission.cancel_s + FAREWELL_S)
-            session.submit(Command("e_stop", "stop", role="operator"), ignore_reply)
+            session.submit(ClientOrder("e_stop", "stop", role="operator"), ignore_reply)
             self._host.join(FAREWELL_S)
         while self._closes:
             self._closes.pop()()
@@ -132,7 +132,7 @@ class MissionNode:
         """The run that was begun last."""
         return self._host.session
 
-    def ask(self, order: Command, within_s: float = PATIENCE_S) -> CommandReply:
+    def ask(self, order: ClientOrder, within_s: float = PATIENCE_S) -> OrderReply:
         """Give an order from this program, and wait for a moment for what becomes of it."""
         return self._commands.ask(order, within_s)
 
@@ -148,7 +148,7 @@ class MissionNode:
         """
         session = self._commands.live
         if at_once and session is not None:
-            session.submit(Command("e_stop", "operator (interrupt)", role="operator"), ignore_reply)
+            session.submit(ClientOrder("e_stop", "operator (interrupt)", role="operator"), ignore_reply)
         self._lifecycle.change_next("shutdown")
 
     # -- next to a run ---------------------------------------------------------------------------------------------
@@ -181,7 +181,7 @@ class MissionNode:
 
     # -- runs of its own ------------------------------------------------------------------------------------------
 
-    def _begin(self, order: Command) -> RunSession:
+    def _begin(self, order: ClientOrder) -> RunSession:
         return self._host.begin(order, self.joined, self._ended)
 
     def _ended(self, session: RunSession) -> None:

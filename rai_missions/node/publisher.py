@@ -18,11 +18,11 @@ from rai_missions.connectors.worker import Worker
 from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError
 from rai_missions.mission.json_reader import parse_json
-from rai_missions.node.command import CommandReply
 from rai_missions.node.diagnostics import Symptoms, array_of
 from rai_missions.node.lifecycle_table import NodeTransition
 from rai_missions.node.managed_lifecycle import EVENT_TYPE, event_fields
 from rai_missions.node.names import NodeName
+from rai_missions.node.order import OrderReply
 from rai_missions.node.rosout import LOG, LogLines, lines_of
 from rai_missions.node.run_host import RunHost
 from rai_missions.node.run_session import RunSession
@@ -147,7 +147,7 @@ class StatusPublisher:
         self._outlet.post(lambda: self._publish("transition_event", EVENT_TYPE, fields))
         self.changed()
 
-    def reply(self, reply: CommandReply) -> None:
+    def reply(self, reply: OrderReply) -> None:
         """Report what became of an order."""
         text = text_of({"id": reply.id, "success": reply.success, "why": reply.why})
         self._outlet.post(lambda: self._publish("reply", STRING, {"data": text}))

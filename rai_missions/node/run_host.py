@@ -15,8 +15,8 @@ from rai_missions.check import load_whole
 from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.mission.mission import Mission
-from rai_missions.node.command import Command
 from rai_missions.node.launched import arguments_of
+from rai_missions.node.order import ClientOrder
 from rai_missions.node.prerequisites import Clients, about, readied
 from rai_missions.node.run_session import RunSession
 from rai_missions.node.transport import Carrier
@@ -124,7 +124,7 @@ class RunHost:
         return setting.observed_by(RunObserver(on_step, follow))
 
     def begin(
-        self, order: Command, join: Callable[[RunConfig], RunConfig], ended: Callable[[RunSession], None]
+        self, order: ClientOrder, join: Callable[[RunConfig], RunConfig], ended: Callable[[RunSession], None]
     ) -> RunSession:
         """Begin a run on a thread of its own.
 

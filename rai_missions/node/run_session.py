@@ -17,7 +17,7 @@ from rai_missions.engine.step import Ask, Step
 from rai_missions.errors import suggestion
 from rai_missions.event import Event
 from rai_missions.keys import stale_at
-from rai_missions.node.command import Command, CommandReply, ReplyCallback, lasts, overdue
+from rai_missions.node.order import ClientOrder, OrderReply, ReplyCallback, lasts, overdue
 from rai_missions.node.status_message import OpenQuestion
 from rai_missions.profile import Robot, commanded_names
 from rai_missions.redaction import Redaction, cut, logger
@@ -39,10 +39,10 @@ ALWAYS = ("cancel", "e_stop")
 """Taken where the node is not active, too."""
 
 
-class PendingCommand(NamedTuple):
+class UntakenOrder(NamedTuple):
     """An order that the run has yet to take."""
 
-    order: Command
+    order: ClientOrder
     on_reply: ReplyCallback
 
     def take(self, step: Step) -> None:
@@ -52,7 +52,7 @@ class PendingCommand(NamedTuple):
         self.on_reply(overdue(self.order, waited_s))
 
     def end(self) -> None:
-        self.on_reply(CommandReply(False, OVER, self.order.id))
+        self.on_reply(OrderReply(False, OVER, self.order.id))
 
 
 class RunSession:
@@ -71,7 +71,7 @@ class RunSession:
         self.error = ""
         """Why it broke off, if it did."""
         self._lock = threading.Lock()
-        self.requests: RunRequests[PendingCommand] = RunRequests(runner)
+        self.requests: RunRequests[UntakenOrder] = RunRequests(runner)
         self._asked = {each.number: each for each in runner.view.questions}
         self.seq = runner.view.seq
         """The last step that the status and what is asked are of, or of a later one."""
@@ -135,29 +135,29 @@ class RunSession:
         is_reported = self._robot is not None and self._robot.holder is not None
         return self.is_over and not is_reported and self.status is not None and self.status.control == "nobody"
 
-    def unlock(self, order: Command) -> CommandReply:
+    def unlock(self, order: ClientOrder) -> OrderReply:
         """An operator takes the control that no one has had since the run."""
         if order.to != "operator" or order.role != "operator":
-            return CommandReply(False, "control is with 'nobody' since the stop; an operator takes it first", order.id)
+            return OrderReply(False, "control is with 'nobody' since the stop; an operator takes it first", order.id)
         if self.status is not None:
             self.status = self.status._replace(control="operator")
-        return CommandReply(True, "", order.id)
+        return OrderReply(True, "", order.id)
 
     # -- orders ---------------------------------------------------------------------------------------------------
 
-    def submit(self, order: Command, on_reply: ReplyCallback) -> None:
+    def submit(self, order: ClientOrder, on_reply: ReplyCallback) -> None:
         """Give the run an order; `on_reply` receives once what became of it, from any thread."""
         why, on_reply = self._refuses(order), _harmless(on_reply)
         if why:
-            on_reply(CommandReply(False, why, order.id))
+            on_reply(OrderReply(False, why, order.id))
         else:
             self._post(order, on_reply)
 
-    def _post(self, order: Command, on_reply: ReplyCallback) -> None:
+    def _post(self, order: ClientOrder, on_reply: ReplyCallback) -> None:
         if len(self.requests) >= MOST_WAITING and order.command != "e_stop":
-            on_reply(CommandReply(False, "too many orders wait already; ask again", order.id))
+            on_reply(OrderReply(False, "too many orders wait already; ask again", order.id))
             return
-        request = self.requests.add(PendingCommand(order, on_reply), lasts=lasts(order))
+        request = self.requests.add(UntakenOrder(order, on_reply), lasts=lasts(order))
         if not request:
             return
         if order.command == "e_stop":
@@ -172,9 +172,9 @@ class RunSession:
         waiting = self.requests.taken(request)
         if waiting is not None:
             why = self.runner.control(waiting.order.to, _signed(waiting.order), waiting.order.role)
-            waiting.on_reply(CommandReply(not why, why, waiting.order.id))
+            waiting.on_reply(OrderReply(not why, why, waiting.order.id))
 
-    def _event(self, order: Command, request: str) -> Event:
+    def _event(self, order: ClientOrder, request: str) -> Event:
         at, origin = self.runner.view.now(), {"by": order.by, "request": request}
         if order.command == "post":
             return Event(order.event, at, dict(order.data) | origin)
@@ -184,7 +184,7 @@ class RunSession:
             return Event("operator", at, answer | origin, "proposal", order.question)
         return Event(COMMANDS[order.command], at, origin, "command")
 
-    def _refuses(self, order: Command) -> str:
+    def _refuses(self, order: ClientOrder) -> str:
         """Why an order is not put to the engine at all."""
         if order.role == "viewer":
             return "a viewer looks, and orders nothing"
@@ -204,7 +204,7 @@ class RunSession:
             return self._refuses_answer(order)
         return ""
 
-    def _refuses_answer(self, order: Command) -> str:
+    def _refuses_answer(self, order: ClientOrder) -> str:
         """Why an answer is none to its question: a slip of a person, which costs no attempt."""
         number = order.question
         if order.run and order.run != self.runner.run_id:
@@ -260,7 +260,7 @@ class RunSession:
 def _harmless(on_reply: ReplyCallback) -> ReplyCallback:
     """A client that cannot be reached any more, by a connection that is gone, does no harm to the run."""
 
-    def reply(reply: CommandReply) -> None:
+    def reply(reply: OrderReply) -> None:
         try:
             on_reply(reply)
         except Exception:
@@ -269,16 +269,16 @@ def _harmless(on_reply: ReplyCallback) -> ReplyCallback:
     return reply
 
 
-def _signed(order: Command) -> str:
+def _signed(order: ClientOrder) -> str:
     """Who asks for control, as people read it: an operator's name follows that word."""
     is_signed = order.role != "operator" or order.by == "operator" or order.by.startswith("operator ")
     return order.by if is_signed else f"operator ({order.by})"
 
 
-def _reply_of(order: Command, step: Step) -> CommandReply:
+def _reply_of(order: ClientOrder, step: Step) -> OrderReply:
     if why := refusal_text(step):
-        return CommandReply(False, why, order.id)
+        return OrderReply(False, why, order.id)
     if order.command == "answer" and step.kept:
-        return CommandReply(True, "it is judged once the run is resumed, or control is given back", order.id)
+        return OrderReply(True, "it is judged once the run is resumed, or control is given back", order.id)
     remark = "nothing in the mission reacts to it now" if order.command == "post" and step.ignored else ""
-    return CommandReply(True, remark, order.id)
+    return OrderReply(True, remark, order.id)

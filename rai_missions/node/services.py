@@ -7,9 +7,9 @@ from collections.abc import Callable
 from typing import Any
 
 from rai_missions.connectors.connector import Close, Connector, Data, Message
-from rai_missions.node.command import Command, CommandReply, from_ros, mapping_in, read_order, who
-from rai_missions.node.command_server import CommandServer
 from rai_missions.node.names import NodeName
+from rai_missions.node.order import ClientOrder, OrderReply, from_ros, mapping_in, read_order, who
+from rai_missions.node.order_server import OrderServer
 from rai_missions.node.transport import PACKAGE
 
 __all__ = ("STRING", "serve_orders", "serve_typed_orders")
@@ -20,7 +20,7 @@ PLAIN = ("start", "pause", "resume", "cancel", "e_stop")
 
 
 def serve_orders(
-    connector: Connector, name: NodeName, commands: CommandServer, reply: Callable[[CommandReply], None]
+    connector: Connector, name: NodeName, commands: OrderServer, reply: Callable[[OrderReply], None]
 ) -> list[Close]:
     """Serve `~/start`, `~/pause`, `~/resume`, `~/cancel` and `~/e_stop`, and listen to `~/command`.
 
@@ -33,7 +33,7 @@ def serve_orders(
 
     def receive(message: Message) -> None:
         order = read_order(message.data.get("data"))
-        if isinstance(order, CommandReply):
+        if isinstance(order, OrderReply):
             reply(order)
         else:
             commands.submit(from_ros(order), reply)
@@ -42,31 +42,31 @@ def serve_orders(
     return [*triggers, connector.subscribe(name.below("command"), STRING, receive)]
 
 
-def _trigger(commands: CommandServer, word: str) -> Callable[[Data], Data]:
-    return lambda _request: _answered(commands.ask(Command(word, by=f"operator (~/{word})", role="operator")))
+def _trigger(commands: OrderServer, word: str) -> Callable[[Data], Data]:
+    return lambda _request: _answered(commands.ask(ClientOrder(word, by=f"operator (~/{word})", role="operator")))
 
 
-def serve_typed_orders(connector: Connector, name: NodeName, commands: CommandServer) -> list[Close]:
+def serve_typed_orders(connector: Connector, name: NodeName, commands: OrderServer) -> list[Close]:
     """Serve `~/set_control`, `~/answer` and `~/post`, in the types of `rai_missions_msgs`."""
 
     def control(request: Data) -> Data:
-        order = Command("control", who(request.get("by")), to=str(request.get("to", "")))
+        order = ClientOrder("control", who(request.get("by")), to=str(request.get("to", "")))
         return _answered(commands.ask(from_ros(order)))
 
     def answer(request: Data) -> Data:
         given = mapping_in(request.get("parameters", ""), "parameters")
         if isinstance(given, str):
-            return _answered(CommandReply(False, given))
+            return _answered(OrderReply(False, given))
         number, option = int(request.get("number", 0)), str(request.get("option", ""))
         run = str(request.get("run", ""))
-        order = Command("answer", who(request.get("by")), question=number, run=run, option=option, parameters=given)
+        order = ClientOrder("answer", who(request.get("by")), question=number, run=run, option=option, parameters=given)
         return _answered(commands.ask(from_ros(order)))
 
     def post(request: Data) -> Data:
         given = mapping_in(request.get("data", ""), "data")
         if isinstance(given, str):
-            return _answered(CommandReply(False, given))
-        order = Command("post", who(request.get("by")), event=str(request.get("event", "")), data=given)
+            return _answered(OrderReply(False, given))
+        order = ClientOrder("post", who(request.get("by")), event=str(request.get("event", "")), data=given)
         return _answered(commands.ask(from_ros(order)))
 
     served: list[tuple[str, str, Callable[[Data], Data]]] = [
@@ -77,5 +77,5 @@ def serve_typed_orders(connector: Connector, name: NodeName, commands: CommandSe
     return [connector.serve(name.below(word), f"{PACKAGE}/srv/{kind}", act) for word, kind, act in served]
 
 
-def _answered(reply: CommandReply) -> dict[str, Any]:
+def _answered(reply: OrderReply) -> dict[str, Any]:
     return {"success": reply.success, "message": reply.why}

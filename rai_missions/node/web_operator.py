@@ -11,11 +11,11 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.engine.decision import Answerer, Question
-from rai_missions.node.command import Command, CommandReply, read_order
+from rai_missions.node.order import ClientOrder, OrderReply, read_order
 from rai_missions.node.run_session import RunSession
 from rai_missions.redaction import cut
 
-__all__ = ("WebCommands", "WebOperator")
+__all__ = ("WebOperator", "WebOrders")
 
 ACTS = ("pause", "resume", "cancel", "e_stop", "control", "answer")
 PAGE = "operator (page)"
@@ -23,7 +23,7 @@ PageReply = Callable[[bool, str], None]
 """Receives once, from any thread, whether an order succeeded, and why."""
 
 
-class WebCommands:
+class WebOrders:
     """Carries a page's orders to a run.
 
     Args:
@@ -47,19 +47,19 @@ class WebCommands:
     def submit(self, text: str, on_reply: PageReply) -> None:
         """Take an order, as JSON that anybody may have written; never waits."""
         order = read_order(text)
-        if isinstance(order, CommandReply):
+        if isinstance(order, OrderReply):
             on_reply(False, order.why)
             return
         order = from_page(order)
         why = self._refuses(order)
         if why:
-            self._reply(order, on_reply, CommandReply(False, why), has_arrived=False)
+            self._reply(order, on_reply, OrderReply(False, why), has_arrived=False)
         else:
             self._session.submit(
                 order, lambda reply: self._reply(order, on_reply, reply, has_arrived=_has_arrived(order, reply))
             )
 
-    def _refuses(self, order: Command) -> str:
+    def _refuses(self, order: ClientOrder) -> str:
         if order.command not in ACTS:
             return f"a page cannot '{order.command}'; it can {', '.join(ACTS)}"
         if order.command != "answer":
@@ -74,7 +74,7 @@ class WebCommands:
             return f"question {order.question} is not for the operator; {question.asked} is asked"
         return ""
 
-    def _reply(self, order: Command, on_reply: PageReply, reply: CommandReply, *, has_arrived: bool) -> None:
+    def _reply(self, order: ClientOrder, on_reply: PageReply, reply: OrderReply, *, has_arrived: bool) -> None:
         """What the engine has received is in the journal with its answer; the rest is noted here."""
         if order.command == "e_stop" and self._session.is_over:
             self._on_late_stop(order.by)
@@ -87,12 +87,12 @@ class WebCommands:
         on_reply(reply.success, reply.why)
 
 
-def _has_arrived(order: Command, reply: CommandReply) -> bool:
+def _has_arrived(order: ClientOrder, reply: OrderReply) -> bool:
     """The engine has taken it as an event."""
     return order.command != "control" and not reply.dropped
 
 
-def from_page(order: Command) -> Command:
+def from_page(order: ClientOrder) -> ClientOrder:
     """Anyone who comes with the page's token is the operator, whatever the name."""
     is_fine = order.by == "operator" or order.by.startswith("operator ")
     by = PAGE if order.by == "operator" else order.by if is_fine else f"operator {order.by} (page)"

@@ -13,7 +13,7 @@ from rai_missions.conversation import Order
 from rai_missions.conversation.inputs import OrderResult
 from rai_missions.mission.mission import Mission
 from rai_missions.node.run_session import RunSession
-from rai_missions.node.web_operator import WebCommands
+from rai_missions.node.web_operator import WebOrders
 from rai_missions.runtime.clock import SimulatedClock
 
 MISSION: dict[str, Any] = {
@@ -71,7 +71,7 @@ def test_an_e_stop_that_finds_the_run_over_has_no_other_follow() -> None:
     with prepare(config) as first:
         runs = TalkRuns(config, waits=False, is_reachable=lambda: True)
         session = RunSession(runs.begin(first), None)
-        page = WebCommands(session, answers=True, note=first.runner.note, on_late_stop=runs.kill)
+        page = WebOrders(session, answers=True, note=first.runner.note, on_late_stop=runs.kill)
         session.run()
         runs.order(START, print)
         assert runs.is_continued

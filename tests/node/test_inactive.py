@@ -21,10 +21,10 @@ from rai_missions.event import Event
 from rai_missions.journal import Header, Journal
 from rai_missions.mission.files import dump
 from rai_missions.node import MissionNode
-from rai_missions.node.command import WORDS, CommandReply, read_order
 from rai_missions.node.lifecycle_callbacks import DEACTIVATION
+from rai_missions.node.order import WORDS, OrderReply, read_order
 from rai_missions.node.transport import Carrier
-from rai_missions.node.web_operator import ACTS, WebCommands
+from rai_missions.node.web_operator import ACTS, WebOrders
 from rai_missions.profile.conversation import ORDERS
 from tests.node.scenes import Client, mission
 from tests.node.test_run_session import AskingRun
@@ -52,10 +52,10 @@ def test_only_what_ends_a_run_reaches_it_where_its_node_is_not_active(door: str,
         RunOrders(run.runner).perform(given, lambda end: refused.append(end.refused))
     elif door == "page":
         text = json.dumps({"command": order, **GIVEN.get(order, {})})
-        WebCommands(run.session, answers=True, note=print).submit(text, lambda _, why: refused.append(why))
+        WebOrders(run.session, answers=True, note=print).submit(text, lambda _, why: refused.append(why))
     else:
         read = read_order(json.dumps({"command": order, **GIVEN.get(order, {})}))
-        assert not isinstance(read, CommandReply)
+        assert not isinstance(read, OrderReply)
         run.session.submit(read, lambda reply: refused.append(reply.why))
     if order in ("cancel", "stop", "e_stop"):
         assert len(taken) == 1 and not refused

@@ -22,7 +22,7 @@ from rai_missions.errors import UsageError
 from rai_missions.journal import read
 from rai_missions.mission.files import dump
 from rai_missions.node import MissionNode
-from rai_missions.node.command import LONGEST, Command, CommandReply
+from rai_missions.node.order import LONGEST, ClientOrder, OrderReply
 from rai_missions.node.transport import Carrier
 from rai_missions.testing import check_agent
 from tests.node.conftest import Scene
@@ -381,7 +381,7 @@ def kept_busy(scene: Scene) -> threading.Event:
     scene.client.start()
     is_busy, is_free = threading.Event(), threading.Event()
     scene.robot.obey = lambda _word: is_busy.set() or is_free.wait(30)  # on the run's own thread, in this process
-    scene.node.ask(Command("post", event="go"), within_s=0.0)
+    scene.node.ask(ClientOrder("post", event="go"), within_s=0.0)
     assert is_busy.wait(30)
     return is_free
 
@@ -433,7 +433,7 @@ def test_a_node_that_is_interrupted_while_it_deactivates_is_finalized(scene: Sce
 
 def test_an_order_that_the_run_does_not_take_in_time_is_not_reported_as_done(scene: Scene) -> None:
     is_free = kept_busy(scene)
-    reported = scene.node.ask(Command("pause"), within_s=0.0)
+    reported = scene.node.ask(ClientOrder("pause"), within_s=0.0)
     is_free.set()
     assert not reported.success and "has not taken it yet" in reported.why
     scene.client.await_status("it is taken in the end", mode="paused")
@@ -444,10 +444,10 @@ def test_orders_that_a_busy_run_takes_too_late_are_dropped_but_those_that_end_it
 ) -> None:
     is_free = kept_busy(scene)
     monkeypatch.setattr("rai_missions.runtime.requests.GOOD_FOR_S", -1.0)  # as if it had been busy for longer
-    course, reported = scene.node.session, Inbox[CommandReply]()
+    course, reported = scene.node.session, Inbox[OrderReply]()
     assert course is not None
-    orders = (Command("pause", id="a"), Command("control", to="operator", id="b", role="operator"), Command("control", to="nobody", id="c", role="operator"),  # noqa: E501
-              Command("post", event="ask", id="d"), Command("cancel", id="e"))  # fmt: skip
+    orders = (ClientOrder("pause", id="a"), ClientOrder("control", to="operator", id="b", role="operator"), ClientOrder("control", to="nobody", id="c", role="operator"),  # noqa: E501
+              ClientOrder("post", event="ask", id="d"), ClientOrder("cancel", id="e"))  # fmt: skip
     for order in orders:
         course.submit(order, reported)
     is_free.set()

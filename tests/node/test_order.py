@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.errors import UsageError
-from rai_missions.node.command import LONGEST, WORDS, Command, CommandReply, mapping_in, read_order, who
 from rai_missions.node.names import node_name
+from rai_missions.node.order import LONGEST, WORDS, ClientOrder, OrderReply, mapping_in, read_order, who
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
@@ -32,7 +32,7 @@ NEAR_ORDERS = st.dictionaries(
 @given(text=st.text() | st.binary() | JSON | NEAR_ORDERS.map(json.dumps))
 def test_whatever_comes_in_is_an_order_or_learns_why_not(text: Any) -> None:
     order = read_order(text)
-    if isinstance(order, CommandReply):
+    if isinstance(order, OrderReply):
         assert not order.success and order.why and len(order.why) < 500
     else:
         assert order.command in WORDS and order.by.isprintable() and len(order.by) <= 64
@@ -49,7 +49,7 @@ def test_an_order_reports_what_was_written(command: str, name: str, by: str, num
     given_words |= {"event": "go", "data": data}
     words = {word: given_words[word] for word in WORDS[command]}
     text = json.dumps({"id": name, "by": by, "command": command, **words})
-    assert read_order(text) == Command(command, who(by), name.encode("utf-8", "replace").decode(), **words)
+    assert read_order(text) == ClientOrder(command, who(by), name.encode("utf-8", "replace").decode(), **words)
 
 
 @given(depth=st.integers(100, 20_000))

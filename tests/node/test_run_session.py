@@ -14,9 +14,9 @@ from rai_missions.engine import Chart
 from rai_missions.engine.trees import CompiledTrees
 from rai_missions.errors import ConnectorError
 from rai_missions.event import Event
-from rai_missions.node.command import Command, CommandReply, read_order
+from rai_missions.node.order import ClientOrder, OrderReply, read_order
 from rai_missions.node.run_session import RunSession
-from rai_missions.node.web_operator import WebCommands
+from rai_missions.node.web_operator import WebOrders
 from tests.node.scenes import mission, robot
 from tests.rigs.runs import ManualClock, Rig, by_hand
 
@@ -84,8 +84,8 @@ def test_a_run_that_continues_shows_what_was_asked_before_with_the_time_left() -
 @pytest.mark.parametrize("reported", [{"id": 1}, [1], None, 7, "another"])
 def test_what_a_robot_calls_a_request_is_none_of_the_orders(reported: Any) -> None:
     """An order waits; a robot's event comes first, in which something has the name of what distinguishes orders."""
-    answered_at, receipts = AskingRun(), list[CommandReply]()
-    answered_at.session.submit(Command("pause"), receipts.append)
+    answered_at, receipts = AskingRun(), list[OrderReply]()
+    answered_at.session.submit(ClientOrder("pause"), receipts.append)
     event = Event("robot_reports", 0.0, {"request": reported})
     assert not answered_at.session.requests.drops(event)
     answered_at.session.receive(answered_at.chart.send(event))
@@ -94,17 +94,17 @@ def test_what_a_robot_calls_a_request_is_none_of_the_orders(reported: Any) -> No
 
 def test_anyone_who_cannot_be_reported_what_became_of_an_order_ends_no_run() -> None:
     rig = Rig({"idle": {}})
-    course, asked = RunSession(rig.runner, None), list[CommandReply]()
+    course, asked = RunSession(rig.runner, None), list[OrderReply]()
 
-    def gone(reply: CommandReply) -> None:
+    def gone(reply: OrderReply) -> None:
         asked.append(reply)
         raise ConnectorError("the broker is gone")
 
     rig.stage.play(
         {
-            1.0: lambda: course.submit(Command("control", role="operator", to="operator"), gone),
+            1.0: lambda: course.submit(ClientOrder("control", role="operator", to="operator"), gone),
             2.0: rig.runner.kill,
-            2.1: lambda: course.submit(Command("pause"), gone),
+            2.1: lambda: course.submit(ClientOrder("pause"), gone),
         }
     )
     assert course.run().outcome == "aborted"
@@ -121,11 +121,11 @@ def test_an_answer_to_a_question_of_another_run_is_refused_and_changes_nothing(b
     name = {"its own": run.runner.run_id, "another": "0123456789ab"}.get(of, "")
     order = {"command": "answer", "question": asked.question.number, "option": "left", **({"run": name} if of else {})}
     if by_page:
-        page = WebCommands(run.session, answers=True, note=print)
+        page = WebOrders(run.session, answers=True, note=print)
         page.submit(json.dumps(order), lambda success, why: replies.append((success, why)))
     else:
         read = read_order(json.dumps(order))
-        assert isinstance(read, Command)
+        assert isinstance(read, ClientOrder)
         run.session.submit(read, lambda reply: replies.append((reply.success, reply.why)))
     assert len(posted) == (of != "another")
     assert not replies or "was asked in another run, 0123456789ab" in replies[0][1]
@@ -138,12 +138,12 @@ def test_an_answer_to_a_question_of_another_run_is_refused_and_changes_nothing(b
 def test_an_answer_that_is_none_to_its_question_is_refused_as_the_engine_would_and_costs_no_attempt(
     option: str, parameters: dict[str, Any]
 ) -> None:
-    run, posted, replies = AskingRun(), list[Event](), list[CommandReply]()
+    run, posted, replies = AskingRun(), list[Event](), list[OrderReply]()
     run.send("ask")
     (asked,) = run.session.questions()
     run.runner.post = posted.append  # type: ignore[method-assign]
     number = asked.question.number
-    run.session.submit(Command("answer", question=number, option=option, parameters=parameters), replies.append)
+    run.session.submit(ClientOrder("answer", question=number, option=option, parameters=parameters), replies.append)
     assert run.session.questions()[0].question.number == number
     if not posted:
         verdict = run.chart.propose(number, option, parameters, by="operator").verdict

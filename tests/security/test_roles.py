@@ -21,7 +21,7 @@ from rai_missions.errors import ConnectorError
 from rai_missions.event import Event, Role, is_taken
 from rai_missions.journal.rows import parsed
 from rai_missions.mission.mission import Mission
-from rai_missions.node.command import Command, CommandReply, from_ros, read_order
+from rai_missions.node.order import ClientOrder, OrderReply, from_ros, read_order
 from rai_missions.node.run_session import RunSession
 from rai_missions.node.web_operator import from_page
 from rai_missions.runtime.lifecycle import Control
@@ -56,7 +56,7 @@ def test_no_order_has_a_role_from_its_text() -> None:
     refused = 0
     for number, name in enumerate(names()):
         order = read_order(json.dumps(forged(number, name)))
-        if isinstance(order, CommandReply):
+        if isinstance(order, OrderReply):
             refused += 1
             assert "'control' has no word 'role'" in order.why or "'control' has no word \"role\"" in order.why, (
                 order.why
@@ -102,16 +102,16 @@ def test_every_client_on_the_topic_of_people_is_a_person() -> None:
 def test_no_name_gives_a_client_control(role: Any) -> None:
     mission = Mission.model_validate({"name": "m", "initial": "a", "states": {"a": {}}, "events": []})
     session = RunSession(Runner(mission), None)
-    reports: list[CommandReply] = []
+    reports: list[OrderReply] = []
     for number, name in enumerate(names()):
-        order = Command("control", name, str(number), to=HOLDERS[number % len(HOLDERS)], role=role)
+        order = ClientOrder("control", name, str(number), to=HOLDERS[number % len(HOLDERS)], role=role)
         session.submit(order, reports.append)
         assert not session.unlock(order).success
     assert len(reports) == FORGED and not any(each.success for each in reports)
     assert session.runner.view.holder == "autonomy"
     if role == "viewer":
         for command in ("pause", "resume", "cancel", "e_stop", "answer", "post"):
-            session.submit(Command(command, "operator", role="viewer"), reports.append)
+            session.submit(ClientOrder(command, "operator", role="viewer"), reports.append)
             assert reports[-1].why == "a viewer looks, and orders nothing"
 
 

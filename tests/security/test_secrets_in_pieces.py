@@ -30,7 +30,7 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import ConnectorError
 from rai_missions.journal import read
 from rai_missions.mission.mission import Mission
-from rai_missions.node.command import read_order
+from rai_missions.node.order import read_order
 from rai_missions.profile import Robot
 from rai_missions.redaction import clipped, cut, cut_repr, first_line, redacted, shown
 from tests.security.test_leaks import STRING, TRIGGER, files, log_of

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rai_missions.mission.mission import Mission
     from rai_missions.node.closed_options import ClosedOptions
     from rai_missions.node.run_session import RunSession
-    from rai_missions.node.web_operator import WebCommands
+    from rai_missions.node.web_operator import WebOrders
     from rai_missions.runtime.lifecycle import Status
     from rai_missions.runtime.result import Result
     from rai_missions.runtime.runner import Runner
@@ -73,7 +73,7 @@ class ShownRun(NamedTuple):
 
     session: RunSession
     closed: ClosedOptions
-    desk: WebCommands
+    desk: WebOrders
     """Carries orders to it."""
     where: str
     """Which it is, and its journal, in words."""
@@ -169,7 +169,7 @@ class RunPage:
         """Run it by `run`, with the page next to it; a later run takes the page over from the one before."""
         from rai_missions.node.closed_options import ClosedOptions
         from rai_missions.node.run_session import RunSession
-        from rai_missions.node.web_operator import WebCommands
+        from rai_missions.node.web_operator import WebOrders
 
         runner, journal = prepared.runner, prepared.journal
         session = RunSession(runner, prepared.robot)
@@ -178,7 +178,7 @@ class RunPage:
         shown = ShownRun(
             session,
             ClosedOptions(prepared.mission),
-            WebCommands(session, answers=self._operator, note=runner.note, on_late_stop=self._stop_late),
+            WebOrders(session, answers=self._operator, note=runner.note, on_late_stop=self._stop_late),
             f"run {runner.run_id} · {path}",
         )
         self._shown, is_first = shown, self._shown is None

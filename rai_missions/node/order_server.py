@@ -10,11 +10,11 @@ import threading
 from collections.abc import Callable
 
 from rai_missions.errors import MissionError
-from rai_missions.node.command import Command, CommandReply, ReplyCallback, untaken
+from rai_missions.node.order import ClientOrder, OrderReply, ReplyCallback, untaken
 from rai_missions.node.run_session import RunSession
 from rai_missions.redaction import Redaction, logger
 
-__all__ = ("PATIENCE_S", "CommandServer")
+__all__ = ("PATIENCE_S", "OrderServer")
 
 log = logger(__name__)
 
@@ -23,7 +23,7 @@ PATIENCE_S = 1.0
 LOCKED = 'control is with "nobody" since the stop; first an operator takes it: {"command": "control", "to": "operator"}'
 
 
-class CommandServer:
+class OrderServer:
     """Takes orders for the runs of a node, one after the other.
 
     Args:
@@ -31,7 +31,7 @@ class CommandServer:
         changed: Called on each change, on any thread.
     """
 
-    def __init__(self, begin: Callable[[Command], RunSession] | None, changed: Callable[[], None]) -> None:
+    def __init__(self, begin: Callable[[ClientOrder], RunSession] | None, changed: Callable[[], None]) -> None:
         self._begin, self._changed = begin, changed
         self._lock = threading.RLock()
         self._when_idle: list[Callable[[], None]] = []
@@ -56,7 +56,7 @@ class CommandServer:
         session = self.session
         return session if session is not None and not session.is_over else None
 
-    def submit(self, order: Command, on_reply: ReplyCallback) -> None:
+    def submit(self, order: ClientOrder, on_reply: ReplyCallback) -> None:
         """Take an order that a door has let in; `on_reply` receives once what became of it, from any thread."""
         if order.command == "start":
             on_reply(self._start(order))
@@ -66,23 +66,23 @@ class CommandServer:
             on_reply(last.unlock(order))
             self._changed()
         elif session is None:
-            on_reply(CommandReply(False, "no mission is running; start one", order.id))
+            on_reply(OrderReply(False, "no mission is running; start one", order.id))
         else:
             session.submit(order, on_reply)
 
-    def ask(self, order: Command, within_s: float = PATIENCE_S) -> CommandReply:
+    def ask(self, order: ClientOrder, within_s: float = PATIENCE_S) -> OrderReply:
         """Take an order and wait, for a moment, for what becomes of it."""
-        replies: list[CommandReply] = []
+        replies: list[OrderReply] = []
         self.settle(order, replies.append, within_s)
-        return replies[0] if replies else CommandReply(False, untaken(order), order.id)
+        return replies[0] if replies else OrderReply(False, untaken(order), order.id)
 
-    def settle(self, order: Command, on_reply: ReplyCallback, within_s: float = PATIENCE_S) -> None:
+    def settle(self, order: ClientOrder, on_reply: ReplyCallback, within_s: float = PATIENCE_S) -> None:
         """Take an order; `on_reply` receives once what became of it: on this thread within a moment, else later."""
         lock, is_answered = threading.Lock(), threading.Event()
-        replies: list[CommandReply] = []
+        replies: list[OrderReply] = []
         is_late = False
 
-        def receive(reply: CommandReply) -> None:
+        def receive(reply: OrderReply) -> None:
             with lock:
                 replies.append(reply)
             is_answered.set()
@@ -127,19 +127,19 @@ class CommandServer:
             return f"a mission is under way, {session.mode}; cancel it first"
         return self.closed or (LOCKED if self.session is not None and self.session.is_locked else "")
 
-    def _start(self, order: Command) -> CommandReply:
+    def _start(self, order: ClientOrder) -> OrderReply:
         with self._lock:
             if self._begin is None:
                 only = "this run is the node's only one; run it with --managed to start it again"
-                return CommandReply(False, only, order.id)
+                return OrderReply(False, only, order.id)
             if why := self._refuses_start():
-                return CommandReply(False, why, order.id)
+                return OrderReply(False, why, order.id)
             try:
                 self.session = self._begin(order)
             except (MissionError, OSError) as error:
-                return CommandReply(False, Redaction().text(f"{error}"), order.id)
+                return OrderReply(False, Redaction().text(f"{error}"), order.id)
             except Exception as error:
                 log.exception("the mission could not be begun")
-                return CommandReply(False, Redaction().text(f"{type(error).__name__}: {error}"), order.id)
+                return OrderReply(False, Redaction().text(f"{type(error).__name__}: {error}"), order.id)
         self._changed()
-        return CommandReply(True, f"run {self.session.runner.run_id}", order.id)
+        return OrderReply(True, f"run {self.session.runner.run_id}", order.id)

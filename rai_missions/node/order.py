@@ -19,8 +19,8 @@ from rai_missions.states.control import HOLDERS
 
 __all__ = (
     "LONGEST",
-    "Command",
-    "CommandReply",
+    "ClientOrder",
+    "OrderReply",
     "ReplyCallback",
     "from_ros",
     "ignore_reply",
@@ -42,7 +42,7 @@ SOFTWARE = frozenset(HOLDERS) - {"operator"}
 """Names under which the software of a robot gives orders."""
 
 
-class CommandReply(NamedTuple):
+class OrderReply(NamedTuple):
     """What became of an order."""
 
     success: bool
@@ -53,8 +53,8 @@ class CommandReply(NamedTuple):
     """The run never learned of it."""
 
 
-class Command(NamedTuple):
-    """One thing that someone wants of the mission."""
+class ClientOrder(NamedTuple):
+    """What a client wants of a mission, or of its run."""
 
     command: str
     """One of `WORDS`."""
@@ -85,23 +85,23 @@ WORDS: Mapping[str, Mapping[str, tuple[type, bool]]] = {
     "answer": {"question": (int, True), "run": (str, False), "option": (str, True), "parameters": (dict, False)},
     "post": {"event": (str, True), "data": (dict, False)},
 }
-"""Command → its words, the type of each, and whether it must be there."""
+"""Order → its words, the type of each, and whether it must be there."""
 CALLED = {dict: "an object", str: "text", int: "a whole number"}
 
 
-def read_order(text: Any) -> Command | CommandReply:
+def read_order(text: Any) -> ClientOrder | OrderReply:
     """An order from its JSON, or why it is none; the reply carries the order's id where that could be read."""
     given = mapping_in(text, "an order")
     if isinstance(given, str):
-        return CommandReply(False, given)
+        return OrderReply(False, given)
     name = given.get("id", "")
     if not isinstance(name, str | int) or isinstance(name, bool) or len(str(name)) > LONGEST_ID:
-        return CommandReply(False, f"id: {shown(name)} is no text of {LONGEST_ID} characters at the most")
+        return OrderReply(False, f"id: {shown(name)} is no text of {LONGEST_ID} characters at the most")
     why = _fault(given)
     if why:
-        return CommandReply(False, why, str(name))
+        return OrderReply(False, why, str(name))
     words = {word: item for word, item in given.items() if word not in ("id", "by", "command")}
-    return Command(given["command"], who(given.get("by", "")), str(name), **words)
+    return ClientOrder(given["command"], who(given.get("by", "")), str(name), **words)
 
 
 def mapping_in(text: Any, what: str) -> dict[str, Any] | str:
@@ -123,7 +123,7 @@ def who(given: Any) -> str:
     return cut(printable(redacted(text), " "), LONGEST_NAME).strip() or "operator"
 
 
-def from_ros(order: Command) -> Command:
+def from_ros(order: ClientOrder) -> ClientOrder:
     """An order that came over ROS, where any node may speak: the operator's, but from the software of the robot.
 
     Software is known by its name, which lowers what it may; no name raises it.
@@ -131,24 +131,24 @@ def from_ros(order: Command) -> Command:
     return order._replace(role="software" if order.by in SOFTWARE else "operator")
 
 
-def lasts(order: Command) -> bool:
+def lasts(order: ClientOrder) -> bool:
     """It is carried out however late the run takes it: it ends something, or reports what has happened."""
     return order.command in LASTING or (order.command == "control" and order.to == "nobody")
 
 
-def overdue(order: Command, waited_s: float) -> CommandReply:
+def overdue(order: ClientOrder, waited_s: float) -> OrderReply:
     """The reply to an order that the run was too busy to take in time."""
     why = f"the run did not get to it for {waited_s:.0f} s, and it was dropped; look again, and give it again"
-    return CommandReply(False, why, order.id, dropped=True)
+    return OrderReply(False, why, order.id, dropped=True)
 
 
-def untaken(order: Command) -> str:
+def untaken(order: ClientOrder) -> str:
     """The reply to an order that the run has not taken yet."""
     then = "it will as soon as it can" if lasts(order) else f"unless it does within {GOOD_FOR_S:g} s, it is dropped"
     return f"the run has not taken it yet; {then}, and what became of it is reported then"
 
 
-def ignore_reply(_reply: CommandReply) -> None:
+def ignore_reply(_reply: OrderReply) -> None:
     """No one asks what became of an order."""
 
 
@@ -171,5 +171,5 @@ def _fault(given: Mapping[str, Any]) -> str:
     return f"'{command}' needs the word '{missing[0]}'" if missing else ""
 
 
-ReplyCallback = Callable[[CommandReply], None]
+ReplyCallback = Callable[[OrderReply], None]
 """Receives once what became of an order; from any thread."""
