@@ -281,6 +281,18 @@ def undeclared(package: Path) -> set[str]:
     return (taken & packages) - set(re.findall(r"`(\w+)`", sentence)) - set(package.relative_to(ROOT).parts[:2])
 
 
+def test_the_modules_that_a_package_names_are_there() -> None:
+    root = {path.stem for path in (ROOT / "rai_missions").iterdir()} | {"visualize"}
+    absent = {
+        (str(package.relative_to(ROOT)), name)
+        for folder in OURS
+        for package in (path.parent for path in (ROOT / folder).rglob("__init__.py"))
+        for name in re.findall(r"`([a-z]\w+)`", docstring_of((package / "__init__.py").read_text(encoding="utf-8")))
+        if name not in root and not any(path.stem == name for path in package.rglob("*"))
+    }
+    assert absent == set()
+
+
 def test_each_package_reports_what_is_inside_and_what_it_may_import() -> None:
     packages = [path.parent for folder in OURS for path in (ROOT / folder).rglob("__init__.py")]
     lacking = {

@@ -3,7 +3,7 @@
 
 No threads, no clocks, no models: values come in with their instant, and values go out. Agents build the rest around it.
 
-Imports `engine`, `mission`, `model`, `planning` and `profile`, and the modules of the root.
+Imports `engine`, `mission`, `model`, `planning`, `profile` and `voice`, and the modules of the root.
 """
 
 from rai_missions.conversation.dialogue import Dialogue

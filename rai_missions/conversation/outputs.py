@@ -11,14 +11,13 @@ from typing import Any, Literal, NamedTuple
 
 from rai_missions.event import Role
 from rai_missions.profile.conversation import OrderName
+from rai_missions.voice.spoken_text import SpeechPriority
 
 __all__ = (
-    "AskModel", "DropModel", "LookUp", "Mapper", "NoteKind", "Order", "Output", "Priority", "Silence",
+    "AskModel", "DropModel", "LookUp", "Mapper", "NoteKind", "Order", "Output", "Silence",
     "Speech", "TalkNote", "TalkTurn", "Way",
 )  # fmt: skip
 
-Priority = Literal["end", "question", "answer", "chatter"]
-"""What is spoken first: the mission's end, then its questions and other reports, answers, the rest."""
 Way = Literal["rules", "model", "documents", "unknown"]
 """By which way a text was made: templates, a model, a quotation of documents, or none of them knew an answer."""
 Mapper = Literal["grammar", "model", "nearest"]
@@ -52,7 +51,7 @@ class Speech(NamedTuple):
     key: str
     """Unique in a process life; a report that is spoken again has another one."""
     text: str
-    priority: Priority = "answer"
+    priority: SpeechPriority = "answer"
     way: Way = "rules"
     """The page and the journal show it as a field; `aloud` has it in words."""
     uncut: bool = False

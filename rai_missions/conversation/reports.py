@@ -11,13 +11,13 @@ from collections.abc import Iterator, Mapping
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.conversation.language import Language, spoken
-from rai_missions.conversation.outputs import Priority
 from rai_missions.conversation.question_words import question_text
 from rai_missions.conversation.run_words import control_text, end_text, goals_text
 from rai_missions.conversation.settings import Settings
 from rai_missions.conversation.spoken_starts import SpokenStarts
 from rai_missions.conversation.values import result_sentences
 from rai_missions.conversation.view import StatusView
+from rai_missions.voice.spoken_text import SpeechPriority
 
 __all__ = ("MissionReport", "Reports")
 
@@ -37,7 +37,7 @@ class MissionReport(NamedTuple):
 
     identity: str
     text: str
-    priority: Priority
+    priority: SpeechPriority
     state: Literal["owed", "speaking", "spoken", "failed"] = "owed"
     due: float = 0.0
     """Of an owed one: the instant from which on it is spoken."""
@@ -107,7 +107,7 @@ class Reports:
         for identity in old[: max(len(self._all) - KEPT, 0)]:
             del self._all[identity]
 
-    def _new(self, view: StatusView, *, is_moving: bool) -> Iterator[tuple[str, str, Priority]]:
+    def _new(self, view: StatusView, *, is_moving: bool) -> Iterator[tuple[str, str, SpeechPriority]]:
         """What there is to report now, with the identity of each.
 
         Args:

@@ -6,10 +6,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from rai_missions.conversation.inputs import SpeechEnd, Utterance
-from rai_missions.conversation.outputs import NoteKind, Priority, Silence, Speech, Way
+from rai_missions.conversation.outputs import NoteKind, Silence, Speech, Way
 from rai_missions.conversation.reports import MissionReport, Reports
 from rai_missions.conversation.talk import Talk
 from rai_missions.redaction import redacted
+from rai_missions.voice.spoken_text import SpeechPriority
 
 __all__ = ("SpeechSide",)
 
@@ -52,7 +53,7 @@ class SpeechSide:
         *,
         to: str = "",
         reply_to: int = 0,
-        priority: Priority = "answer",
+        priority: SpeechPriority = "answer",
         way: Way = "rules",
         report: MissionReport | None = None,
     ) -> Speech:

@@ -13,7 +13,7 @@ from rai_missions.agents.health import ERROR, OK, WARN
 from rai_missions.engine.activities.goal_ledger import may_move
 from rai_missions.node.status_message import StatusMessage
 from rai_missions.redaction import cut
-from rai_missions.runtime.readings import SourceState, in_words
+from rai_missions.runtime.readings import SourceState, offset_words
 
 __all__ = ("Symptoms", "array_of", "level")
 
@@ -37,7 +37,7 @@ class Symptoms(NamedTuple):
     def offsets(self) -> str:
         """The sources whose stamps are off, and by how much."""
         off = {key: state.offset_s for key, state in self.sources.items()}
-        return ", ".join(f"{key}: {in_words(offset_s)}" for key, offset_s in off.items() if offset_s is not None)
+        return ", ".join(f"{key}: {offset_words(offset_s)}" for key, offset_s in off.items() if offset_s is not None)
 
 
 HEALTHY = Symptoms()

@@ -14,7 +14,7 @@ from typing import NamedTuple
 from rai_missions.keys import Key
 from rai_missions.redaction import cut
 
-__all__ = ("Readings", "SourceState", "in_words", "refused")
+__all__ = ("Readings", "SourceState", "offset_words", "refused")
 
 RECENT = 20
 """Readings of a source by which its offset is known."""
@@ -83,7 +83,7 @@ class Readings:
         return SourceState(self._received, self.offset_s, self._age_s, self._misread)
 
 
-def in_words(offset_s: float) -> str:
+def offset_words(offset_s: float) -> str:
     """`its stamps are 2.0 s behind`."""
     return f"its stamps are {abs(offset_s):.1f} s {'behind' if offset_s > 0 else 'ahead'}"
 
@@ -103,7 +103,7 @@ def refused(missed: Mapping[str, SourceState], keys: Mapping[str, Key], ready_s:
     if any(name in keys for name in silent):
         sentences.append('A key that the start need not wait for is "optional".')
     for name, state in missed.items():
-        off = f"; {in_words(state.offset_s)}" if state.offset_s is not None else ""
+        off = f"; {offset_words(state.offset_s)}" if state.offset_s is not None else ""
         if state.misread:
             sentences.append(f"{name} was received and not understood: {cut(state.misread, 300)}{off}.")
         elif state.received:

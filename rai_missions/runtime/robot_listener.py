@@ -18,7 +18,7 @@ from rai_missions.event import Event
 from rai_missions.keys import Key, type_error
 from rai_missions.profile import EventSource, Robot, Source, absent_field, why_unreadable
 from rai_missions.redaction import cut_repr, logger
-from rai_missions.runtime.readings import Readings, SourceState, in_words
+from rai_missions.runtime.readings import Readings, SourceState, offset_words
 from rai_missions.runtime.scheduler import Scheduler
 
 __all__ = ("RobotListener",)
@@ -173,7 +173,7 @@ class RobotListener:
         """A source's stamps are off: its readings are stale too early, or as old as their receipt."""
         offset_s = readings.offset_s
         if offset_s is not None:
-            sentence = f"'{key}': {in_words(offset_s)}; mend the clock of what sends it, or what holds it up"
+            sentence = f"'{key}': {offset_words(offset_s)}; mend the clock of what sends it, or what holds it up"
             log.warning("%s", sentence)
             self._note(sentence)
 

@@ -11,13 +11,13 @@ import textwrap
 from collections.abc import Callable
 from typing import Literal, NamedTuple, get_args
 
-__all__ = ("MOST_LETTERS", "PRIORITIES", "SpeechQueue", "SpokenEnd", "SpokenText", "sentences")
+__all__ = ("MOST_LETTERS", "PRIORITIES", "SpeechPriority", "SpeechQueue", "SpokenEnd", "SpokenText", "sentences")
 
 MOST_LETTERS = 200
 """Of what is spoken in one piece: a voice takes longer than its letters for a longer one, and begins later."""
 SpeechPriority = Literal["end", "question", "answer", "chatter"]
+"""What is spoken first: the mission's end, then its questions and other reports, answers, the rest."""
 PRIORITIES: tuple[SpeechPriority, ...] = get_args(SpeechPriority)
-"""What is spoken first: the mission's end, questions, answers, the rest."""
 SpokenEnd = Literal["whole", "cut", "failed"]
 """How it ended: every word was played; it was interrupted; no voice or no speaker played it."""
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.errors import UsageError
-from rai_missions.runtime.readings import Readings, in_words
+from rai_missions.runtime.readings import Readings, offset_words
 from tests.rigs.runs import KEYS, Rig, mission
 
 NEEDED = {**KEYS, "battery": {**KEYS["battery"], "optional": False}}
@@ -116,4 +116,4 @@ def test_a_key_of_which_nothing_came_is_first_among_the_reasons() -> None:
 
 @pytest.mark.parametrize(("offset_s", "words"), [(0.3, "0.3 s behind"), (-0.3, "0.3 s ahead"), (2.5, "2.5 s behind")])
 def test_an_offset_has_its_direction_in_words(offset_s: float, words: str) -> None:
-    assert in_words(offset_s) == f"its stamps are {words}"
+    assert offset_words(offset_s) == f"its stamps are {words}"

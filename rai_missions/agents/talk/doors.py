@@ -13,10 +13,11 @@ from typing import Literal, NamedTuple, Protocol
 from rai_missions.agents.agent import lacks, reports_health
 from rai_missions.conversation import Speech
 from rai_missions.conversation.inputs import SpeechResult
-from rai_missions.conversation.outputs import Priority, Way
+from rai_missions.conversation.outputs import Way
 from rai_missions.errors import UsageError, in_words
 from rai_missions.event import Role
 from rai_missions.redaction import cut, logger, shown
+from rai_missions.voice.spoken_text import SpeechPriority
 
 __all__ = ("OnSpoken", "TakesSentence", "TalkDoor", "TalkDoors", "TalkLine", "TextDoor")
 
@@ -51,7 +52,7 @@ class TalkLine(NamedTuple):
     channel: str = ""
     way: Way | Literal[""] = ""
     """Of the robot's lines; empty for any other."""
-    priority: Priority | Literal[""] = ""
+    priority: SpeechPriority | Literal[""] = ""
     at: float = 0.0
     spoken: Literal["", "cut", "failed"] = ""
     """How it ended where that is not `whole`."""
