@@ -232,6 +232,7 @@ class ConversationalAgent:
         readings: tuple[str, ...] = (),
         message_id: str = "",
         waited_s: float = 0.0,
+        age_s: float = 0.0,
     ) -> str:
         """A person's sentence, from any thread; why it is not taken, or empty. A secret in it is hidden here.
 
@@ -243,6 +244,7 @@ class ConversationalAgent:
             readings: Of a spoken one each recogniser's transcription.
             message_id: The message's, if it has one.
             waited_s: For how long it has waited at the door: it is no answer to what was shown meanwhile.
+            age_s: How long ago it was sent, by its own stamp: as of one that waited, and an old one is no order.
 
         Raises:
             UsageError: There is no such role, or the sentence is no text.
@@ -262,8 +264,8 @@ class ConversationalAgent:
             if self._waiting >= MOST_WAITING and not self.is_stop(text):
                 return f"{MOST_WAITING} sentences wait already; speak again in a moment"
             self._waiting += 1
-        words, at = tuple(map(redacted, readings)), max(self._opened_at, self._now() - waited_s)
-        sentence = Utterance(redacted(text), role, channel, cut(author, LONGEST_NAME), at, words, message_id)
+        words, at = tuple(map(redacted, readings)), max(self._opened_at, self._now() - max(waited_s, age_s))
+        sentence = Utterance(redacted(text), role, channel, cut(author, LONGEST_NAME), at, words, message_id, age_s)
         if self.after_all(partial(self._take, sentence)):
             return ""
         with self._lock:

@@ -84,6 +84,8 @@ class Utterance(NamedTuple):
     """
     id: str = ""
     """The message's id, if it has one; a sentence that comes again with its author and id changes nothing."""
+    age_s: float = 0.0
+    """How long before its receipt it was sent, by its own stamp; 0 where that is not known."""
     number: int = 0
     """Of its turn, as in `TalkTurn.number`; the dialogue counts. 0: what goes to its speaker is no answer to it."""
 

@@ -13,7 +13,7 @@ from rai_missions.engine.modes import next_mode
 from rai_missions.event import Role
 
 __all__ = (
-    "TWO_NEEDED", "binding", "forbidden", "is_request", "may", "must_confirm", "where_to_order", "why_not_now",
+    "OLD_S", "TWO_NEEDED", "binding", "forbidden", "is_request", "may", "must_confirm", "where_to_order", "why_not_now",
     "why_not_permitted",
 )  # fmt: skip
 
@@ -21,6 +21,8 @@ TWO_NEEDED = frozenset({"start", "resume", "cancel"})
 """The spoken orders that two recognisers must agree on; so must they on the confirming yes."""
 IN_ANY_MODE = frozenset({"cancel", "answer"})
 """Orders that mean the same in each mode of a run that is under way: a pause or resume meanwhile leaves them valid."""
+OLD_S = 10.0
+"""An order of so long ago does not count; the clocks of two machines differ by less."""
 CONFIRMED = frozenset({"start", "cancel"})
 
 

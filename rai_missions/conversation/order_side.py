@@ -14,6 +14,7 @@ from rai_missions.conversation.given_orders import STOPPING, GivenOrders
 from rai_missions.conversation.inputs import SpeechEnd, Utterance
 from rai_missions.conversation.language import spoken
 from rai_missions.conversation.order_rules import (
+    OLD_S,
     TWO_NEEDED,
     forbidden,
     is_request,
@@ -28,7 +29,7 @@ from rai_missions.conversation.request_queue import JudgedOrder, RequestQueue, o
 from rai_missions.conversation.senses import STOP, Sense, joined
 from rai_missions.conversation.speech_side import SpeechSide
 from rai_missions.conversation.talk import Talk
-from rai_missions.conversation.values import capital
+from rai_missions.conversation.values import capital, duration
 from rai_missions.conversation.view import StatusView
 from rai_missions.event import Role
 from rai_missions.planning.text.normalise import LONGEST
@@ -144,9 +145,12 @@ class OrderSide:
         words = self._talk.order_words(sense)
         judged = JudgedOrder(sense, utterance, mapper, words)
         self._talk.note("mapped", number=utterance.number, order=order_data(sense), mapper=mapper)
-        if self._is_impossible(judged):
+        if utterance.age_s > OLD_S:
+            age, most = duration(utterance.age_s, language), duration(OLD_S, language)
+            self._refuse(judged, "too_old", order=words, age=age, most=most)
+        elif self._is_impossible(judged):
             return
-        if any(each.name in TWO_NEEDED for each in sense.orders) and agreeing is not None and agreeing < 2:
+        elif any(each.name in TWO_NEEDED for each in sense.orders) and agreeing is not None and agreeing < 2:
             self._talk.note("refused", number=utterance.number, order=sense.name, by="recognisers")
             where = where_to_order(settings, language)
             self._speaking.reply("two_needed_order", utterance, order=words, where=where)

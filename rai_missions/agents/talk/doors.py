@@ -39,6 +39,7 @@ class TakesSentence(Protocol):
         readings: tuple[str, ...] = (),
         message_id: str = "",
         waited_s: float = 0.0,
+        age_s: float = 0.0,
     ) -> str: ...
 
 

@@ -43,8 +43,15 @@ class HRIDoor:
         """Receive from now on."""
 
         def receive(message: HRIMessage) -> None:
-            author, number = message.name, message.communication_id
-            if why := take(message.text, role="person", channel=CHANNEL, author=author, message_id=number):
+            why = take(
+                message.text,
+                role="person",
+                channel=CHANNEL,
+                author=message.name,
+                message_id=message.communication_id,
+                age_s=message.age_s,
+            )
+            if why:
                 log.warning("a message on %s is not taken: %s", self._from, why)
 
         self._hri.listen(self._from, receive)

@@ -76,7 +76,7 @@ class HRIConnector:
             raise UsageError(f"{shown(message)} is no message; write HRIMessage({shown(message)})")
         is_part = message.seq_no > 0 or not message.seq_end
         for part in (message,) if is_part else parts_of(message, uuid.uuid4().hex):
-            self.connector.publish(topic, TYPE, message_to_data(part))
+            self.connector.publish(topic, TYPE, message_to_data(part, time.time()))
 
     def listen(
         self,
@@ -110,7 +110,7 @@ class HRIConnector:
                 )
                 return
             try:
-                part = message_from_data(message.data, writer, topic)
+                part = message_from_data(message.data, writer, topic, message.age_s)
             except ConnectorError as fault:
                 report(fault)
                 return

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import io
 import wave
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 from rai_missions.errors import UsageError
@@ -126,12 +126,14 @@ class HRIMessage:
     """Which part this is, from 0."""
     seq_end: bool = True
     """The last part, and so the whole message where `seq_no` is 0."""
+    age_s: float = field(default=0.0, compare=False)
+    """Of a received one, seconds from its own stamp to its receipt; 0 without a stamp, or with one in the future."""
 
     def __post_init__(self) -> None:
         if self.author not in get_args(Author):
             raise UsageError(f"author: {shown(self.author)} is neither 'human' nor 'ai'")
-        for field, most in (("text", MOST_TEXT), ("name", MOST_NAME), ("communication_id", MOST_NAME)):
-            _check_text(field, getattr(self, field), most)
+        for name, most in (("text", MOST_TEXT), ("name", MOST_NAME), ("communication_id", MOST_NAME)):
+            _check_text(name, getattr(self, name), most)
         if not _is_whole(self.seq_no, 0, MOST_PARTS - 1):
             raise UsageError(f"seq_no: {shown(self.seq_no)} is no number of a part; the first is 0")
         if not isinstance(self.seq_end, bool):

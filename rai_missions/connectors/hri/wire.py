@@ -25,10 +25,15 @@ FIELDS = frozenset(("text", "images", "audios", "communication_id", "seq_no", "s
 """What has none of these is of another form; taken with its defaults it would be an empty message."""
 
 
-def message_to_data(message: HRIMessage) -> dict[str, Any]:
-    """The fields of the message type; over ROS 2 its pictures are `rgb8`."""
+def message_to_data(message: HRIMessage, at: float = 0.0) -> dict[str, Any]:
+    """The fields of the message type; over ROS 2 its pictures are `rgb8`.
+
+    Args:
+        message: What is sent.
+        at: When, as a time of day; 0 leaves its stamp empty.
+    """
     return {
-        "header": {"frame_id": message.name},
+        "header": {"frame_id": message.name, "stamp": _stamp(at)},
         "text": message.text,
         "images": list(message.images),
         "audios": [
@@ -41,13 +46,14 @@ def message_to_data(message: HRIMessage) -> dict[str, Any]:
     }
 
 
-def message_from_data(data: Data, author: Author, place: str = "") -> HRIMessage:
+def message_from_data(data: Data, author: Author, place: str = "", age_s: float | None = None) -> HRIMessage:
     """The message in plain data that came from outside.
 
     Args:
         data: Fields by name; one that is left out has the message type's default.
         author: Who writes on the topic.
         place: The topic, for the error.
+        age_s: Seconds from its stamp to its receipt, as the connector reports it.
 
     Raises:
         ConnectorError: A field is at fault; the sentence names it and the topic.
@@ -65,9 +71,15 @@ def message_from_data(data: Data, author: Author, place: str = "") -> HRIMessage
             data.get("communication_id", ""),
             data.get("seq_no", 0),
             data.get("seq_end", False),
+            max(0.0, age_s or 0.0),
         )
     except UsageError as fault:
         raise ConnectorError(f"{place or TYPE}: {fault}") from None
+
+
+def _stamp(at: float) -> dict[str, int]:
+    """A `builtin_interfaces/msg/Time`."""
+    return {"sec": int(at), "nanosec": int(at % 1 * 1e9)}
 
 
 def _mapping(field: str, value: Any) -> Mapping[str, Any]:

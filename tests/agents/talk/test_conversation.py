@@ -23,6 +23,7 @@ from rai_missions.agents.talk.orders import refusal_kind
 from rai_missions.agents.talk.run_status import RunStatus
 from rai_missions.connectors.hri.connector import FROM_HUMAN, TO_HUMAN, HRIConnector
 from rai_missions.connectors.hri.message import HRIMessage
+from rai_missions.connectors.hri.wire import TYPE
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.conversation import Settings, Speech, StatusView
 from rai_missions.engine.chart import Chart
@@ -466,6 +467,44 @@ def test_a_person_on_the_topic_asks_and_stops_and_orders_nothing_else() -> None:
         assert any(number.endswith(":start") for number in communications.values()), "a report is known by its identity"
     hri.close()
     person.close()
+    connector.stop()
+
+
+def test_an_order_that_was_sent_long_ago_does_not_count_and_a_stop_does() -> None:
+    connector, received = LocalConnector(), Inbox[HRIMessage]()
+    connector.start()
+    hri = HRIConnector(connector)
+    hri.listen(TO_HUMAN, received)
+    door = HRIDoor(hri, "rob")
+    settings = Settings(may=ConversationPolicy(may={"person": ["pause", "resume", "cancel"]}).granted())
+    with talked(doors=[door], settings=settings) as talk:
+        door.open(talk.agent.receive)
+        running(talk)
+
+        def send(text: str, reply: str, *, ago_s: float) -> str:
+            """The stamp is a number or a time as ROS has it, in the header or next to the text."""
+            at, before = time.time() - ago_s, len(received.all)
+            stamp: dict[str, Any] = {"stamp": at} if ago_s > 1e6 else {"header": {"stamp": {"sec": int(at)}}}
+            connector.publish(FROM_HUMAN, TYPE, {"text": text, "seq_end": True, **stamp})
+            return received.wait(lambda all_: any(reply in each.text for each in all_[before:]), text)[-1].text
+
+        for ago_s, age in ((600.0, "10 min"), (11.5, "s"), (2e6, "min")):
+            for order in ("pause", "cancel the mission", "could you please pause now"):
+                refusal = send(order, "Please give it again", ago_s=ago_s)
+                assert f"{age} ago" in refusal and "an order counts for 10 s" in refusal
+        assert not talk.rig.move.canceled and talk.rig.runner.view.mode == "running"
+        send("what are you doing?", "moves to the shed", ago_s=600.0)
+        send("cancel the mission", "Is that right?", ago_s=0.0)
+        send("yes", "Is that right?", ago_s=8.0)  # of before it was asked
+        assert talk.rig.runner.view.mode == "running"
+        send("pause", "pause", ago_s=-600.0)  # its sender's clock is ahead: it came now
+        talk.until(lambda: talk.rig.runner.view.mode == "paused")
+        send("resume", "resume", ago_s=0.0)
+        talk.until(lambda: talk.rig.runner.view.mode == "running")
+        send("stop", "Stop.", ago_s=600.0)
+        talk.until(lambda: talk.rig.runner.view.mode == "paused")
+    assert [row["by"] for row in talk.talk() if row.get("by") == "too_old"] == ["too_old"] * 9
+    hri.close()
     connector.stop()
 
 
