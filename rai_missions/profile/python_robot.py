@@ -137,7 +137,7 @@ def profile_of(
         known: Keys that it has brought in an earlier process.
 
     Raises:
-        DefinitionError: Its rules are at fault.
+        DefinitionError: Its rules, or how it talks, are at fault.
     """
     origin = {} if program is None else {"file": file_text(program.file.name), "sha256": program.sha256}
     facts = {
@@ -187,6 +187,7 @@ def _written(
     robot: PythonRobot, mission: Mission | None, facts: Mapping[str, Any], connector: Mapping[str, Any]
 ) -> dict[str, Any]:
     """The profile as its JSON would be."""
+    optional = {"about": robot.about or None, "conversation": robot.conversation}
     return {
         "format": 1,
         "name": robot.name,
@@ -203,4 +204,4 @@ def _written(
         },
         "topics": {name: {"topic": MESSAGES + name, "type": ""} for name in robot.topic_functions},
         "rules": robot.rules,
-    } | ({"about": robot.about} if robot.about else {})
+    } | {word: value for word, value in optional.items() if value is not None}

@@ -198,6 +198,43 @@ def test_the_input_ends_by_a_key_that_is_pressed_before_a_line_is_asked_for(miss
         assert screen.program.wait(PATIENCE_S) == 1
 
 
+PYTHON_ROBOT = """
+from rai_missions import PythonRobot
+
+print("executed")
+
+
+def robot():
+    return PythonRobot("turtle", conversation={"begins": "ready", "phrases": {"walk {rounds} rounds": {}}})
+"""
+
+
+def test_a_robot_in_python_talks_as_a_profile_does(mission: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = mission.with_name("turtle.py")
+    file.write_text(PYTHON_ROBOT)
+    with terminal(mission, "--robot", str(file)) as screen:
+        screen.until("executed")
+        screen.until("waits for the order to start")
+        screen.type("walk three rounds\r")
+        screen.until("with rounds 3. Is that right?")
+        screen.type("yes\r")
+        screen.until("has started")
+        os.killpg(screen.program.pid, signal.SIGKILL)
+    file.write_text(PYTHON_ROBOT + "assert False, 'executed although it is another file'")
+    assert main(["run", "--resume", str(screen.journal), "--robot", str(file), "--talk"]) == 2
+    assert "resume with the file as it was" in capsys.readouterr().err
+
+
+def test_what_is_wrong_in_how_a_robot_in_python_talks_comes_with_its_file(
+    mission: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = mission.with_name("turtle.py")
+    file.write_text(PYTHON_ROBOT.replace("{}}", '{"laps": 2, "rounds": "two"}}'))
+    assert main(["run", str(mission), "--robot", str(file), "--talk"]) == 2
+    printed = capsys.readouterr().err
+    assert f"{file}: /conversation/phrases/walk {{rounds}} rounds" in printed
+
+
 @pytest.mark.long
 def test_after_the_end_another_run_is_started_by_talk_with_its_arguments(mission: Path) -> None:
     mission.write_text(json.dumps(COUNTING))

@@ -44,7 +44,7 @@ class TalkSetup:
     Args:
         options: Of the command.
         config: What the run is made of.
-        profile: The robot's; None where it has none, or is a program.
+        profile: The robot's; None where it has none.
     """
 
     def __init__(self, options: RunOptions, config: RunConfig, profile: Robot | None) -> None:
@@ -139,6 +139,7 @@ def talk_of(options: RunOptions, config: RunConfig) -> Iterator[TalkSetup | None
     if not options.talk:
         yield None
         return
+    config = _executed(config)
     setup = TalkSetup(options, config, _checked_profile(config))
     try:
         setup.run()
@@ -193,8 +194,21 @@ def talking(
             typing.stop()
 
 
+def _executed(config: RunConfig) -> RunConfig:
+    """A run, with its robot in Python executed, since how it talks is there; one that resumes has that in its journal.
+
+    Raises:
+        DefinitionError: The robot's file cannot be executed.
+    """
+    from rai_missions.profile import is_program, read_program
+
+    if config.resume is not None or not is_program(config.robot):
+        return config
+    return replace(config, robot=read_program(str(config.robot)))
+
+
 def _checked_profile(config: RunConfig) -> Robot | None:
-    """The robot's profile, of a run that is resumed that of its journal; None where it has none, or is a program.
+    """The robot's profile, of a run that is resumed that of its journal; None where it has none.
 
     Raises:
         DefinitionError: What it states of talk is at fault.
@@ -202,9 +216,17 @@ def _checked_profile(config: RunConfig) -> Robot | None:
     from rai_missions.agents.run_plan import profile_of
     from rai_missions.agents.talk.settings import conversation_faults
     from rai_missions.mission.mission import Mission
+    from rai_missions.profile import RobotProgram, is_program
+    from rai_missions.profile import profile_of as profile_of_program
 
-    profile, mission = profile_of(config), config.mission
-    faults = conversation_faults(profile, mission if isinstance(mission, Mission) else None) if profile else ()
-    if faults:
-        raise DefinitionError(faults, str(config.robot or config.resume))
+    robot, mission = config.robot, config.mission if isinstance(config.mission, Mission) else None
+    profile: Robot | None
+    if config.resume is None and isinstance(robot, RobotProgram):
+        profile = profile_of_program(robot.ready(), mission, robot)
+    elif isinstance(robot, RobotProgram) or is_program(robot):
+        profile = profile_of(replace(config, robot=None))
+    else:
+        profile = profile_of(config)
+    if faults := conversation_faults(profile, mission) if profile else ():
+        raise DefinitionError(faults, str(robot.file if isinstance(robot, RobotProgram) else robot or config.resume))
     return profile

@@ -89,12 +89,18 @@ class PythonRobot:
         name: What it is called.
         about: For people.
         rules: State → who answers there as `rules`, as in a robot profile: `[{"when": guard, "answer": option}, …]`.
+        conversation: How it talks, as in a robot profile: `{"phrases": {"go to {place}": {"task": "go"}}, …}`.
     """
 
     def __init__(
-        self, name: str, *, about: str = "", rules: Mapping[str, list[Mapping[str, Any]]] | None = None
+        self,
+        name: str,
+        *,
+        about: str = "",
+        rules: Mapping[str, list[Mapping[str, Any]]] | None = None,
+        conversation: Mapping[str, Any] | None = None,
     ) -> None:
-        self.name, self.about, self.rules = name, about, dict(rules or {})
+        self.name, self.about, self.rules, self.conversation = name, about, dict(rules or {}), conversation
         self.fact_functions: dict[str, FactFunction] = {}
         self.service_functions: dict[str, ServiceFunction] = {}
         self.action_functions: dict[str, ActionFunction] = {}
