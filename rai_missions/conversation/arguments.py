@@ -17,9 +17,13 @@ from rai_missions.errors import MissionError
 from rai_missions.keys import is_within
 from rai_missions.planning.text.numbers import number
 
-__all__ = ("IN_WORDS", "BadValue", "key_value", "read_arguments")
+__all__ = ("IN_WORDS", "BadValue", "key_value", "read_arguments", "unit_for")
 
 ReadValue = Callable[[Sequence[str], KeyView, Language], Any]
+DECIMALS = 12
+"""Of a number in another unit than its key's."""
+SHORTEST_UNIT = 4
+"""Letters of the shortest unit in a sentence of the mission: `min` may be the least there."""
 NOTHING: Mapping[str, Any] = {}
 IN_WORDS = frozenset({"integer", "number", "boolean", "string"})
 """The types of keys whose values can be spoken."""
@@ -72,6 +76,14 @@ def _kind(key: KeyView, language: Language) -> str:
     return f"{language.text(form, kind=kind, least=least, most=most)} {unit}".rstrip()
 
 
+def unit_for(key: KeyView, language: Language) -> str:
+    """The unit of a number: its name ends with it, or its `about` has the word, `how many minutes to wait`."""
+    named = (
+        word for word in language.normaliser.words(key.about) if len(word) >= SHORTEST_UNIT and language.factors(word)
+    )
+    return language.unit_of(key.name) or next(named, "")
+
+
 def _amount(words: Sequence[str], key: KeyView, language: Language) -> int | float | None:
     """The number that the words are, with or without a unit: `five minutes` are 300 for a key in seconds.
 
@@ -79,12 +91,16 @@ def _amount(words: Sequence[str], key: KeyView, language: Language) -> int | flo
     """
     data = language.data
     words = list(dropwhile(frozenset(data["approximating"]).__contains__, words))
-    value = number(words, data)
-    factors = data["unit_words"].get(language.unit_of(key.name), {})
-    if value is not None or len(words) < 2 or words[-1] not in factors:
+    if (value := number(words, data)) is not None:
         return value
-    value = data["indefinite"].get(" ".join(words[:-1]), number(words[:-1], data))
-    return None if value is None else _whole(value * factors[words[-1]])
+    factors = language.factors(unit_for(key, language)) or {language.name_of(key.name).split()[-1]: 1.0}
+    singular = {language.singular(unit): factor for unit, factor in factors.items()}
+    for at in range(1, len(words)):
+        given = [*words[at:-1], language.singular(words[-1])]
+        amount = data["indefinite"].get(" ".join(words[:at]), number(words[:at], data))
+        if amount is not None and " ".join(given) in singular:
+            return _whole(round(amount * singular[" ".join(given)], DECIMALS))
+    return None
 
 
 def _whole(value: float) -> int | float:

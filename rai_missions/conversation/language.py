@@ -7,7 +7,7 @@ Rule: no sentence of any language is written in code; a new language is a new fi
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from rai_missions.kinds import known_names, offered
 from rai_missions.mission.json_reader import read_json
 from rai_missions.planning.text.language_file import LanguageTexts, language_codes, language_file, spoken, word_forms
 from rai_missions.planning.text.normalise import Normaliser, each_way
+from rai_missions.planning.text.numbers import numbered
 
 __all__ = ("QUOTING", "Language", "language", "languages", "spoken")
 
@@ -210,6 +211,18 @@ class Language(LanguageTexts):
     def unit_of(self, name: str) -> str:
         """The unit that a name of the format ends with: `m` of `height_m`; empty where it has none."""
         return self._name_and_unit(name)[1]
+
+    def factors(self, unit: str) -> Mapping[str, float]:
+        """The words for what a unit measures → how many of that unit each is: 60 for `minutes`, of `s`."""
+        tables: Iterable[Mapping[str, float]] = self.data["unit_words"].values()
+        sizes = next((table for table in tables if unit in table), {})
+        return {word: size / sizes[unit] for word, size in sizes.items()}
+
+    def ways_of(self, name: str) -> Iterator[tuple[str, ...]]:
+        """The words of a name, with its numbers in words and in digits: `bed three`, `bed 3`, `the third bed`."""
+        words = self.written_out(spoken(name)).split()
+        yield tuple(words)
+        yield from numbered(words, self.data)
 
     def _split_name(self, name: str) -> tuple[str, str]:
         """A name without its unit, and the unit."""

@@ -15,7 +15,7 @@ from functools import cache
 from itertools import takewhile
 from typing import Any, NamedTuple
 
-from rai_missions.conversation.arguments import BadValue
+from rai_missions.conversation.arguments import BadValue, unit_for
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.likeness import Likeness
 from rai_missions.conversation.option_senses import OptionSenses
@@ -156,17 +156,14 @@ class NearestOrders:
         return found | ({} if thing is None else dict.fromkeys(free, thing))
 
     def _listed(self, words: Sequence[str], name: str) -> NamedValue | None:
-        called = {
-            tuple(self._language.written_out(spoken(each)).split()): value
-            for each, value in self._phrases.choices(name).items()
-        }
+        called = self._phrases.named_values(name)
         within = (each for each in called if any(tuple(words[at : at + len(each)]) == each for at in range(len(words))))
         return next((NamedValue(each, called[each]) for each in within), None)
 
     def _number(self, words: Sequence[str], key: KeyView) -> NamedValue | None:
-        unit = self._language.unit_of(key.name)
+        unit = unit_for(key, self._language)
         is_named = self._language.singular(key.name) in map(self._language.singular, words)
-        units: Collection[str] = self._language.data["unit_words"].get(unit, ())
+        units = frozenset(each.split()[-1] for each in self._language.factors(unit))
         for size in range(LONGEST_VALUE, 1 if unit else 0, -1):
             for at in range(len(words) - size + 1):
                 span = words[at : at + size]

@@ -234,7 +234,7 @@ class SentenceSide:
         if not senses and not faults:
             return self._asked_by_sense(text)
         orders = [order for sense in senses for order in sense.orders]
-        values = {name for order in orders for name in order.arguments}
+        values = {name for order in orders for name in order.named}
         is_filled = all(each.lacks and values.issuperset(each.lacks) for each in faults)
         if not senses or not (is_filled or (orders and all(order.name != "start" for order in orders))):
             return ()

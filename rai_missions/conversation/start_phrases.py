@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -25,6 +26,7 @@ __all__ = ("Names", "StartPhrases", "arguments_of")
 
 VALUE = "…"
 """The plainest sentence of a phrase that needs no word but a value."""
+DIGITS = re.compile(r"\d+")
 MOST_DESCRIBING = 4
 """Words ahead of a listed value that may describe it."""
 
@@ -82,12 +84,10 @@ class StartPhrases:
         self._joints = frozenset([*data["clause_joints"], *data["lead"]])
         self._each = [self._compiled(phrase, arguments) for phrase, arguments in given.items()]
         self._openings = AnyPhrase(each.phrases.pattern for each in self._each if not each.is_value)
-        self._called = {name: language.written_out(spoken(name)) for choices in names.values() for name in choices}
-        """Name of a value → its words, as a sentence has them."""
-        named = (word for called in self._called.values() for word in called.split())
-        self.names = frozenset(tuple(called.split()) for called in self._called.values())
-        """The words of each listed value."""
-        self.words = frozenset(named).union(*(each.phrases.words for each in self._each))
+        self._ways = {name: tuple(language.ways_of(name)) for choices in names.values() for name in choices}
+        self.names = frozenset(way for ways in self._ways.values() for way in ways)
+        """The words of each listed value, in each way in which it is called."""
+        self.words = frozenset().union(*self.names, *(each.phrases.words for each in self._each))
 
     def _compiled(self, phrase: str, arguments: Mapping[str, Any]) -> CompiledPhrase:
         phrases = self._language.order_phrases([phrase])
@@ -135,9 +135,11 @@ class StartPhrases:
                 for slots in each.phrases.match(words)
                 if all(self.may_be_thing(slots[name].split()) for name in slots.keys() & texts)
             ]
-            if fitting:
-                slots, each = max(fitting, key=lambda one: len(one[0]) or math.inf)
-                yield self._start(mission, slots, each, keys)
+            most = max((len(slots) or math.inf for slots, _ in fitting), default=0)
+            closest = [(slots, each) for slots, each in fitting if (len(slots) or math.inf) == most]
+            starts = [(self._start(mission, slots, each, keys), slots.keys() - texts) for slots, each in closest]
+            if starts:  # of several, one whose values fit, and which has most that are of a list or a number
+                yield max(starts, key=lambda one: (one[0].kind == "order", len(one[1])))[0]
 
     def _texts(self, keys: Mapping[str, KeyView]) -> frozenset[str]:
         """The arguments that take any words."""
@@ -206,16 +208,18 @@ class StartPhrases:
         """The words for each value of an argument that has no other values; empty where it has any."""
         return self._names.get(argument, {})
 
+    def named_values(self, argument: str) -> Mapping[tuple[str, ...], Any]:
+        """The words for each value of an argument that has no other values, in each way in which it is called."""
+        return {way: value for name, value in self.choices(argument).items() for way in self._ways[name]}
+
     def _meant(self, words: Sequence[str], key: KeyView) -> list[Any]:
         """The values of an argument that are called so, or but for a letter; `livingroom` is one of two words."""
         given = "".join(words)
-        called = {
-            each.replace(" ", ""): value
-            for name, value in self.choices(key.name).items()
-            for each in (name.lower(), self._called[name])
-        }
+        called = {"".join(way): value for way, value in self.named_values(key.name).items()}
+        called |= {name.lower().replace(" ", ""): value for name, value in self.choices(key.name).items()}
         meant = nearest(given, called) if called and len(given) >= LEAST_MENDED else given
-        return [called[meant]] if meant in called else []
+        is_same = DIGITS.findall(meant) == DIGITS.findall(given)  # `bed 4` is no slip for `bed 3`
+        return [called[meant]] if meant in called and is_same else []
 
     def _given(self, words: Sequence[str], bare: Sequence[str], key: KeyView) -> Any:
         """The value of words with their article, where that is a number: `eine Minute`; else of those without it.
@@ -236,7 +240,9 @@ class StartPhrases:
         if set(words) & self._undecided:
             return []
         starts = range(1, min(len(words), MOST_DESCRIBING + 1))
-        return next(filter(None, (self._meant(words[at:], key) for at in starts)), [])
+        at, meant = next(((at, meant) for at in starts if (meant := self._meant(words[at:], key))), (0, []))
+        is_behind_another = any(self._meant(words[begin:end], key) for end in range(at + 1) for begin in range(end))
+        return [] if is_behind_another else meant
 
     def argument(self, words: Sequence[str], key: KeyView, language: Language) -> Any:
         """The value of an argument that is named: by its words, or as the mission has it.

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-__all__ = ("number", "ordinal")
+__all__ = ("number", "numbered", "ordinal")
 
 DIGITS = re.compile(r"-?\d{1,15}(?:[.,]\d{1,9})?")
 
@@ -102,3 +102,31 @@ def ordinal(words: Sequence[str], data: Mapping[str, Any]) -> int | None:
         return found
     value = number(words, data)
     return value if isinstance(value, int) else None
+
+
+def numbered(words: Sequence[str], data: Mapping[str, Any]) -> Iterator[tuple[str, ...]]:
+    """The other forms of a name that ends with a number: `bay 2`, `bay number 2` and `second bay` of `bay two`.
+
+    Args:
+        words: Of the name, in lower case.
+        data: The language's file.
+    """
+    starts = (at for at in range(1, len(words)) if isinstance(number(words[at:], data), int))
+    if (at := next(starts, None)) is None:
+        return
+    noun, value = words[:at], int(number(words[at:], data) or 0)
+    for each in (str(value), *_in_words(value, data)):
+        yield (*noun, *each.split())
+        yield (*noun, data["number_word"], *each.split())
+    for each, place in data["ordinals"].items():
+        if place == value and len(each) > 1:
+            yield (each, *noun)
+
+
+def _in_words(value: int, data: Mapping[str, Any]) -> Iterator[str]:
+    """A number below a hundred in words."""
+    words = {each: word for word, each in data["numbers"].items()}
+    tens = words.get(value - value % 10, "") if value >= 20 else ""
+    ones = words.get(value % 10, "")
+    ways = (words.get(value, ""), f"{tens} {ones}", f"{ones}{data['number_joint']}{tens}")
+    yield from (way for way in ways if way.strip() == way and way and number(way.split(), data) == value)
