@@ -37,6 +37,7 @@ __all__ = (
     "meant_file",
     "nearest",
     "pointer",
+    "raised_text",
     "steps_of",
     "suggestion",
     "uncalled",
@@ -181,6 +182,12 @@ def in_words(what: object) -> str:
     except Exception:  # noqa: BLE001 - it may be anybody's, and raise anything
         text = f"a {type(what).__name__} that cannot be put in words"
     return str.__str__(text)
+
+
+def raised_text(error: BaseException) -> str:
+    """`KeyError: 'x'`: the type of what was raised and its text; the type alone where it has none."""
+    name, text = type(error).__name__, in_words(error)
+    return f"{name}: {text}" if text else name
 
 
 def escaped(word: object) -> str:

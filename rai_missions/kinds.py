@@ -16,7 +16,7 @@ from importlib import import_module
 from pkgutil import iter_modules
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from rai_missions.errors import MissionError, UsageError, in_words
+from rai_missions.errors import MissionError, UsageError, raised_text
 from rai_missions.redaction import shown
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ class PackageOffer(NamedTuple):
         try:
             return EntryPoint(self.name, self.value, self.group).load()
         except Exception as error:
-            raise UsageError(f"{self} does not load ({type(error).__name__}: {error})") from error
+            raise UsageError(f"{self} does not load ({raised_text(error)})") from error
 
     @contextmanager
     def opening(self) -> Iterator[None]:
@@ -84,7 +84,7 @@ class PackageOffer(NamedTuple):
         except MissionError:
             raise
         except Exception as error:
-            raise UsageError(f"{self} cannot be opened ({type(error).__name__}: {in_words(error)})") from error
+            raise UsageError(f"{self} cannot be opened ({raised_text(error)})") from error
 
 
 def _sort(group: str) -> str:

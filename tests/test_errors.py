@@ -24,6 +24,7 @@ from rai_missions.errors import (
     UsageError,
     meant_file,
     nearest,
+    raised_text,
     without_marks,
 )
 from rai_missions.profile import Robot, missing
@@ -115,3 +116,22 @@ def test_a_file_whose_name_cannot_be_shown_is_not_meant(tmp_path: Path) -> None:
 
 def test_letters_with_marks_are_plain_ones() -> None:
     assert without_marks("Größe ÉTÉ Łódź") == "grosse ete łodz"
+
+
+class Unspeakable(Exception):
+    """One that cannot state what it is."""
+
+    def __str__(self) -> str:
+        raise RuntimeError("not even that")
+
+
+@pytest.mark.parametrize(
+    ("error", "text"),
+    [
+        (KeyError("x"), "KeyError: 'x'"),
+        (TimeoutError(), "TimeoutError"),
+        (Unspeakable(), "Unspeakable: a Unspeakable that cannot be put in words"),
+    ],
+)
+def test_what_was_raised_has_its_type_and_its_text(error: Exception, text: str) -> None:
+    assert raised_text(error) == text

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rai_missions.engine.step import Step
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, raised_text
 from rai_missions.kinds import PackageOffer, known_names, offered
 from rai_missions.mission.files import write_atomically
 from rai_missions.mission.mission import Mission
@@ -84,7 +84,7 @@ def _exported(offer: PackageOffer, given: Picture) -> bytes:
     try:
         made: object = export(given)
     except Exception as error:
-        raise UsageError(f"{offer} failed ({type(error).__name__}: {error})") from error
+        raise UsageError(f"{offer} failed ({raised_text(error)})") from error
     if not isinstance(made, bytes):
         raise UsageError(f"{offer} makes {shown(made)} of a picture; an exporter makes bytes")
     return made

@@ -47,7 +47,7 @@ from rai_missions.conversation.likeness import Likeness, WordLikeness
 from rai_missions.conversation.senses import STOP
 from rai_missions.embodiment.library import Library
 from rai_missions.engine.step import Step
-from rai_missions.errors import UsageError, suggestion
+from rai_missions.errors import UsageError, raised_text, suggestion
 from rai_missions.event import Role
 from rai_missions.planning.text.normalise import LONGEST
 from rai_missions.redaction import cut, logger, redacted, shown
@@ -466,7 +466,7 @@ class ConversationalAgent:
             self._attached.journal.line(line)
 
     def _failed(self, error: BaseException) -> Any:
-        log.error("the conversation met an error and continues: %s: %s", type(error).__name__, error, exc_info=error)
+        log.error("the conversation met an error and continues: %s", raised_text(error), exc_info=error)
 
 
 def _ended(line: TalkLine, result: SpeechResult = "whole") -> TalkLine:

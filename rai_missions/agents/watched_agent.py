@@ -13,7 +13,7 @@ from typing import TypeVar, get_args, get_type_hints
 from rai_missions.agents.agent import Agent, AgentHealth, HasConnectors, ReportsHealth, StopsSlowly, reports_health
 from rai_missions.connectors.connector import Connector
 from rai_missions.connectors.worker import Worker
-from rai_missions.errors import in_words
+from rai_missions.errors import in_words, raised_text
 from rai_missions.redaction import cut, cut_repr, logger
 
 __all__ = ("WatchedAgent",)
@@ -145,9 +145,7 @@ class WatchedAgent:
         try:
             stated: object = agent.health
         except BaseException as error:  # noqa: BLE001 - an agent takes no other with it
-            stated = AgentHealth(
-                "died", f"it cannot report how it fares: {type(error).__name__}: {cut(in_words(error), 200)}"
-            )
+            stated = AgentHealth("died", f"it cannot report how it fares: {cut(raised_text(error), 200)}")
         no_health = AgentHealth("died", f"it reports {cut_repr(stated, 100)}; {HEALTH}")
         found = stated if isinstance(stated, AgentHealth) and _is_health(stated) else no_health
         self._asked_at = None

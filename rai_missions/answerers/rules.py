@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, Self
 
 from rai_missions.engine.decision import Question
+from rai_missions.errors import raised_text
 from rai_missions.guards.guard import Guard
 from rai_missions.guards.view import Site, Test, View
 from rai_missions.keys import Key
@@ -71,7 +72,7 @@ class RulesAnswerer:
         try:
             row = _chosen(rows, question, self._view)
         except Exception as error:  # noqa: BLE001 - a predicate of the user's program may raise anything
-            answer({"failed": f"a rule for '{question.state}' raised {type(error).__name__}: {cut(error, 200)}"})
+            answer({"failed": f"a rule for '{question.state}' raised {cut(raised_text(error), 200)}"})
             return
         if row is None:
             answer({"absent": f"no rule for this in '{question.state}'"})

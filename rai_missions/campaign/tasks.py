@@ -31,7 +31,7 @@ from rai_missions.campaign.records import (
 from rai_missions.campaign.rollout import ROLLOUT_NEEDS, answers_of, rollouts
 from rai_missions.campaign.scene_spec import later_of
 from rai_missions.campaign.store import ResultStore
-from rai_missions.errors import MissionError, UsageError
+from rai_missions.errors import MissionError, UsageError, raised_text
 from rai_missions.redaction import cut, first_line, redacted
 from rai_missions.worlds.world import load_world
 
@@ -123,7 +123,7 @@ class Workplace:
             yield from _failed(task, str(none))
             return
         except Exception as error:  # noqa: BLE001 - one scene that cannot be built ends no campaign
-            what = str(error) if isinstance(error, MissionError) else f"{type(error).__name__}: {first_line(error)}"
+            what = str(error) if isinstance(error, MissionError) else first_line(raised_text(error))
             yield from _failed(task, f"the scene cannot be run: {what}")
             return
         if task.shows:

@@ -25,6 +25,7 @@ from rai_missions.campaign.records import (
     UnlabelledScene,
 )
 from rai_missions.connectors.process.frames import read_frame, write_frame
+from rai_missions.errors import raised_text
 
 if TYPE_CHECKING:
     from rai_missions.campaign.tasks import TaskRecord
@@ -81,7 +82,7 @@ def _do_tasks(
                     write_frame(reply_fd, message)
                 write_frame(reply_fd, {"done": order["number"]})
     except BaseException as error:  # noqa: BLE001 - whatever it is, it is reported, and the campaign ends with it
-        what = str(error) if isinstance(error, MissionError) else f"{type(error).__name__}: {error}"
+        what = str(error) if isinstance(error, MissionError) else raised_text(error)
         write_frame(reply_fd, {"fault": cut(what, 2000)})
 
 

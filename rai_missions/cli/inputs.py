@@ -10,7 +10,7 @@ from collections.abc import Callable, Container, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rai_missions.errors import DefinitionError, Fault, UsageError, irregular, meant_file
+from rai_missions.errors import DefinitionError, Fault, UsageError, irregular, meant_file, raised_text
 from rai_missions.mission.mission import Mission
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def load_guards(path: str | None, *, python: bool = True) -> dict[str, Callable[
     try:
         found = runpy.run_path(path)
     except (Exception, SystemExit) as error:  # a file that exits must not look like a run that succeeded
-        raise DefinitionError([Fault("", f"{type(error).__name__}: {error}")], path) from error
+        raise DefinitionError([Fault("", raised_text(error))], path) from error
     own = {name: each for name, each in found.items() if callable(each) and not name.startswith("_")}
     return {name: each for name, each in own.items() if getattr(each, "__module__", None) == "<run_path>"}
 

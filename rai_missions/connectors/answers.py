@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any
 
 from rai_missions.connectors.connector import ActionServer, Answer, Data
+from rai_missions.errors import raised_text
 from rai_missions.given import check_function, check_given
 from rai_missions.redaction import logger
 
@@ -38,7 +39,7 @@ def ask_for(answer: Answer, request: Data, service: str, on_end: Callable[[Data,
         data: Any = answer(request)
     except Exception as fault:
         log.exception("%s failed", service)
-        on_end({}, _words(fault))
+        on_end({}, raised_text(fault))
         return
     if isinstance(data, Future):
         data.add_done_callback(partial(_end, service=service, on_end=on_end))
@@ -68,7 +69,7 @@ def _end(answered: Future[Any], service: str, on_end: Callable[[Data, str], obje
     if answered.cancelled():
         on_end({}, "it gave the request up")
     elif (fault := answered.exception()) is not None:
-        on_end({}, _words(fault))
+        on_end({}, raised_text(fault))
     else:
         _pass_on(answered.result(), service, on_end)
 
@@ -78,7 +79,3 @@ def _pass_on(data: Any, service: str, on_end: Callable[[Data, str], object]) -> 
         on_end(data, "")
     else:  # what a function without `return` gives
         on_end({}, f"{service} has answered with {type(data).__name__}; return a dict of its fields, or {{}}")
-
-
-def _words(fault: BaseException) -> str:
-    return f"{type(fault).__name__}: {fault}"

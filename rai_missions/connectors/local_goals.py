@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 from rai_missions.connectors.connector import ENDS, ActionServer, Data, OnReport, Report
 from rai_missions.connectors.worker import SerialQueue
+from rai_missions.errors import raised_text
 from rai_missions.redaction import logger
 
 __all__ = ("LocalGoal",)
@@ -91,7 +92,7 @@ class LocalGoal:
             self._server.accept(self.goal_id, goal, self.on_report)
         except Exception as fault:
             log.exception("%s could not take goal %s", self.action, self.goal_id)
-            self.on_report(Report(self.goal_id, "rejected", {}, f"{type(fault).__name__}: {fault}"))
+            self.on_report(Report(self.goal_id, "rejected", {}, raised_text(fault)))
 
     def _want_no_more(self) -> None:
         if not self._is_over and self._is_accepted:
@@ -104,7 +105,7 @@ class LocalGoal:
                 self._server.cancel(self.goal_id)
         except Exception as fault:
             log.exception("%s could not cancel goal %s", self.action, self.goal_id)
-            self.on_report(Report(self.goal_id, "cancel_rejected", {}, f"{type(fault).__name__}: {fault}"))
+            self.on_report(Report(self.goal_id, "cancel_rejected", {}, raised_text(fault)))
 
     def _pass_on(self, report: Report) -> None:
         is_lost = self.end is not None and self.end.status == "lost"

@@ -23,6 +23,7 @@ from typing import IO, Any, Self
 
 from rai_missions.embodiment.document import Section, TextDocument
 from rai_missions.embodiment.readers import FORMATS, read_document
+from rai_missions.errors import raised_text
 from rai_missions.redaction import cut, redacted, variables
 
 __all__ = ("ReadingProcess",)
@@ -159,7 +160,7 @@ def _answer(name: str, data: bytes) -> dict[str, Any]:
     except MemoryError:
         return {"fault": "needs more memory than it may have; split it"}
     except Exception as error:  # noqa: BLE001 - whatever a file makes of the code that reads it
-        return {"fault": f"cannot be read ({type(error).__name__}: {cut(error, 200)}); save it again"}
+        return {"fault": f"cannot be read ({cut(raised_text(error), 200)}); save it again"}
     return {"title": document.title, "sections": document.sections}
 
 

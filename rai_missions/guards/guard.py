@@ -8,7 +8,7 @@ import json
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, ClassVar, NoReturn, TypeAlias
 
-from rai_missions.errors import MissionError, UsageError, in_words
+from rai_missions.errors import MissionError, UsageError, in_words, raised_text
 from rai_missions.guards.analysis import Distinctions, Sources, TypeFault, Types
 from rai_missions.guards.expression import EXAMPLE, WORDS, meant_guard
 from rai_missions.guards.form import Atom, Form
@@ -219,7 +219,7 @@ def foreign_truth(ask: Callable[[], object], word: str, note: Callable[[str], ob
         note(str(error))
         return None
     except Exception as error:  # noqa: BLE001 - the code of a user or of another package
-        note(f"guard '{word}' raised {type(error).__name__}: {in_words(error)}")
+        note(f"guard '{word}' raised {raised_text(error)}")
         return None
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import core_schema
 
-from rai_missions.errors import UsageError, article, suggestion, uncalled
+from rai_missions.errors import UsageError, article, raised_text, suggestion, uncalled
 from rai_missions.kinds import PackageOffer, known_names, offered
 from rai_missions.model.fields import NAME, fault
 from rai_missions.model.mission_model import MissionModel
@@ -149,7 +149,7 @@ def _usable(made: TaggedModel) -> TaggedModel:
     try:
         why = made.why_unusable()
     except Exception as error:  # noqa: BLE001 - it may raise anything
-        why = f"{type(error).__name__}: {first_line(error)}"
+        why = first_line(raised_text(error))
     if why:
         whose = made.offer(made.word) or f"the {made.family} '{made.word}'"
         raise fault("package", f"{whose} cannot be used: {why}")

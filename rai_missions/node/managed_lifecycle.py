@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.connectors.connector import Close, Connector, Data
-from rai_missions.errors import MissionError
+from rai_missions.errors import MissionError, raised_text
 from rai_missions.node.lifecycle_table import (
     ACTS,
     ERRORPROCESSING,
@@ -79,7 +79,7 @@ class ManagedLifecycle:
             except Exception as error:
                 log.exception("'%s' broke off", way.label)
                 ends.append(False)
-                self._break(f"{way.label}: {type(error).__name__}: {error}")
+                self._break(f"{way.label}: {raised_text(error)}")
             return not ends or ends[0]
 
     def change_next(self, label: str) -> None:

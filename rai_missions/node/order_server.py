@@ -9,7 +9,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 
-from rai_missions.errors import MissionError
+from rai_missions.errors import MissionError, raised_text
 from rai_missions.node.order import ClientOrder, OrderReply, ReplyCallback, untaken
 from rai_missions.node.run_session import RunSession
 from rai_missions.redaction import Redaction, logger
@@ -140,6 +140,6 @@ class OrderServer:
                 return OrderReply(False, Redaction().text(f"{error}"), order.id)
             except Exception as error:
                 log.exception("the mission could not be begun")
-                return OrderReply(False, Redaction().text(f"{type(error).__name__}: {error}"), order.id)
+                return OrderReply(False, Redaction().text(raised_text(error)), order.id)
         self._changed()
         return OrderReply(True, f"run {self.session.runner.run_id}", order.id)

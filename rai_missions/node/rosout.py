@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.engine.step import LogLine, SayAloud, Step
+from rai_missions.errors import raised_text
 from rai_missions.redaction import cut
 from rai_missions.runtime.effects import MISSION_LINE
 
@@ -55,7 +56,7 @@ class LogLines(logging.Handler):
             return  # it is published with its step
         try:
             raised = record.exc_info[1] if record.exc_info else None
-            text = cut(record.getMessage() + (f": {type(raised).__name__}: {raised}" if raised else ""), LONGEST)
+            text = cut(record.getMessage() + (f": {raised_text(raised)}" if raised else ""), LONGEST)
             place = {"file": Path(record.pathname).name, "function": record.funcName or "", "line": record.lineno}
             self._on_line(line_of(self._name, record.levelno, text, record.created) | place)
         except Exception:  # noqa: BLE001 - as Python has it: who logs is not disturbed

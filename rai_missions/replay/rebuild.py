@@ -14,7 +14,7 @@ from typing import Any
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.step import Step
-from rai_missions.errors import DefinitionError, Fault, MissionError
+from rai_missions.errors import DefinitionError, Fault, MissionError, raised_text
 from rai_missions.event import is_e_stop
 from rai_missions.guards.guard import RaisedBefore
 from rai_missions.guards.view import Truth
@@ -62,7 +62,7 @@ class JournalReplayer:
         except MissionError:
             raise
         except Exception as error:
-            sentence = f"no run is of such a mission ({type(error).__name__}: {error}); it was altered"
+            sentence = f"no run is of such a mission ({raised_text(error)}); it was altered"
             raise DefinitionError([Fault("row 0", sentence)], self._source) from error
 
     def again(self, row: StepRow) -> Step:
@@ -84,7 +84,7 @@ class JournalReplayer:
         except MissionError:
             raise
         except Exception as error:
-            sentence = f"no run brings such an event ({type(error).__name__}: {error}); it was altered"
+            sentence = f"no run brings such an event ({raised_text(error)}); it was altered"
             raise DefinitionError([Fault(f"row {row.row}", sentence)], self._source) from error
 
     def stop_replaying(self) -> None:

@@ -27,7 +27,7 @@ from rai_missions.engine.step import (
     StopBehaviour,
     Withdraw,
 )
-from rai_missions.errors import MissionError, in_words
+from rai_missions.errors import MissionError, in_words, raised_text
 from rai_missions.event import Event, EventKind
 from rai_missions.journal.in_flight import InFlight
 from rai_missions.mission.mission import Mission
@@ -176,7 +176,7 @@ class EffectExecutor:
         try:
             do()
         except Exception as error:  # noqa: BLE001 - a connector is not trusted to behave
-            why = in_words(error) if isinstance(error, MissionError) else f"{type(error).__name__}: {in_words(error)}"
+            why = in_words(error) if isinstance(error, MissionError) else raised_text(error)
             log.warning("not carried out: %.200s: %s", effect, why)
             self._failed(effect, why)
 
@@ -338,7 +338,7 @@ class EffectExecutor:
             answerer.ask(question.apart(), answer)
         except Exception as error:  # an answerer is not trusted to behave
             log.exception("'%s' failed to take question %d", question.asked, question.number)
-            answer({"failed": f"{type(error).__name__}: {in_words(error)}"})
+            answer({"failed": raised_text(error)})
 
     def _withdraw(self, effect: Withdraw) -> None:
         asked = self._open.pop(effect.number, None)

@@ -20,7 +20,7 @@ from rai_missions.engine import Chart
 from rai_missions.engine.activities.goal_ledger import OpenGoal, may_move
 from rai_missions.engine.decision import Answerer, ReadsRun, check_answerers
 from rai_missions.engine.step import Step
-from rai_missions.errors import DefinitionError, MissionError, UsageError
+from rai_missions.errors import DefinitionError, MissionError, UsageError, raised_text
 from rai_missions.event import Event, Tick, is_e_stop
 from rai_missions.given import check_given
 from rai_missions.journal.buffer import BufferedWriter, JournalSink, raised_by
@@ -413,7 +413,7 @@ class Runner(RunCommands):
     def _break_off(self, error: BaseException) -> None:
         """The run cannot continue, whatever the reason: nothing that it started may continue without it."""
         self._executor.stop_everything()
-        sentence = f"the run breaks off: {type(error).__name__}: {self._redaction.known(str(error))}"
+        sentence = f"the run breaks off: {self._redaction.known(raised_text(error))}"
         if not isinstance(error, MissionError):  # that one is a sentence for the caller, who gets it
             log.critical("%s", sentence)
         try:

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.connectors.ros2.images import PICTURES
-from rai_missions.errors import ConnectorError
+from rai_missions.errors import ConnectorError, raised_text
 from rai_missions.image import Image, ImageFile, png
 from rai_missions.redaction import cut, cut_repr
 
@@ -71,7 +71,7 @@ def block(image: Image) -> dict[str, Any]:
     except ConnectorError:
         raise
     except Exception as fault:  # the bytes are made when asked for, by whatever camera
-        raise ConnectorError(f"the picture cannot be had: {type(fault).__name__}: {cut(fault, 120)}") from fault
+        raise ConnectorError(f"the picture cannot be had: {cut(raised_text(fault), 120)}") from fault
 
 
 def pixels_of(image: Image) -> Image:

@@ -12,7 +12,7 @@ from typing import Any, Literal
 from langchain_core.tools import BaseTool, ToolException
 from pydantic import Field, ValidationError
 
-from rai_missions.errors import MissionError
+from rai_missions.errors import MissionError, raised_text
 from rai_missions.redaction import cut, logger
 from rai_missions.tools.arguments import arguments_of
 from rai_missions.tools.result import ToolResult
@@ -60,7 +60,7 @@ class RobotTool(BaseTool):
             raise ToolException(f"failed: {cut(fault, 200)}") from fault
         except Exception as fault:
             log.exception("the tool %s failed", self.name)
-            raise ToolException(f"failed: {type(fault).__name__}: {cut(fault, 200)}") from fault
+            raise ToolException(f"failed: {cut(raised_text(fault), 200)}") from fault
 
 
 def is_read_only(tool: BaseTool) -> bool:

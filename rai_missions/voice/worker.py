@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rai_missions.connectors.process.frames import read_frame, write_frame
+from rai_missions.errors import raised_text
 from rai_missions.redaction import cut, cut_repr
 from rai_missions.voice.kind import Reading, opened
 
@@ -39,7 +40,7 @@ def work(request_fd: int, reply_fd: int) -> None:
         try:
             reply = ORDERS[order["sort"]](held, message, blobs, reply_fd)
         except Exception as error:  # noqa: BLE001 - one sound or sentence that it cannot take ends nothing
-            reply = {"failed": cut(f"{type(error).__name__}: {error}", 400)}
+            reply = {"failed": cut(raised_text(error), 400)}
         write_frame(reply_fd, {"reply": message["id"], **reply})
 
 

@@ -199,15 +199,29 @@ def test_a_goal_id_in_use_is_refused(connector: LocalConnector) -> None:
         connector.send_goal("/a", "", {}, goal_id="g", on_report=lambda _report: None)
 
 
-def test_a_server_that_raises_rejects(connector: LocalConnector) -> None:
+class Unspeakable(Exception):
+    """One that cannot state what it is."""
+
+    def __str__(self) -> str:
+        raise RuntimeError("not even that")
+
+
+@pytest.mark.parametrize(
+    ("error", "why"),
+    [
+        (RuntimeError("no motor"), "RuntimeError: no motor"),
+        (Unspeakable(), "Unspeakable: a Unspeakable that cannot be put in words"),
+    ],
+)
+def test_a_server_that_raises_rejects(connector: LocalConnector, error: Exception, why: str) -> None:
     class Broken(PatientServer):
         def accept(self, goal_id: str, goal: object, report: object) -> None:
-            raise RuntimeError("no motor")
+            raise error
 
     reports: list[Report] = []
     connector.offer("/a", "", Broken())
     connector.send_goal("/a", "", {}, goal_id="g", on_report=reports.append)
-    assert reports == [Report("g", "rejected", {}, "RuntimeError: no motor")]
+    assert reports == [Report("g", "rejected", {}, why)]
 
 
 def test_an_end_without_acceptance_is_preceded_by_one(connector: LocalConnector) -> None:

@@ -283,10 +283,7 @@ def test_whatever_goes_wrong_is_an_answer(fault: Exception, text: str) -> None:
     for message in (failing(fault).invoke(call), asyncio.run(failing(fault).ainvoke(call))):
         assert isinstance(message, ToolMessage)
         assert message.status == "error"
-        assert (
-            message.content
-            == f'This was not done:\n<facts>\n"{text}{": " if text.endswith("Error") else ""}"\n</facts>'
-        )
+        assert message.content == f'This was not done:\n<facts>\n"{text}"\n</facts>'
 
 
 @pytest.mark.parametrize(

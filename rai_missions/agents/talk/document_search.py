@@ -12,6 +12,7 @@ from rai_missions.connectors.worker import Worker
 from rai_missions.conversation import DocumentQuote, FoundQuotes, LookUp
 from rai_missions.embodiment.excerpt import excerpt
 from rai_missions.embodiment.library import Library
+from rai_missions.errors import raised_text
 from rai_missions.redaction import first_line, logger
 
 __all__ = ("DocumentSearch", "OnFound")
@@ -45,7 +46,7 @@ class DocumentSearch:
         try:
             found = self._library.recall(request.text)
         except Exception as error:  # noqa: BLE001 - whatever a document, an index or a package for vectors does
-            why = f"{type(error).__name__}: {first_line(error)}"
+            why = first_line(raised_text(error))
             log.warning("the robot's documents cannot be looked up: %s", why)
             return FoundQuotes(request.number, failed=why)
         parts = [(each.source, *excerpt(each.text, request.text)) for each in found.passages]

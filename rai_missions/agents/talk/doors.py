@@ -14,7 +14,7 @@ from rai_missions.agents.agent import lacks, reports_health
 from rai_missions.conversation import Speech
 from rai_missions.conversation.inputs import SpeechResult
 from rai_missions.conversation.outputs import Way
-from rai_missions.errors import UsageError, in_words
+from rai_missions.errors import UsageError, raised_text
 from rai_missions.event import Role
 from rai_missions.redaction import cut, logger, shown
 from rai_missions.voice.spoken_text import SpeechPriority
@@ -219,7 +219,7 @@ def _fault_of(door: TalkDoor) -> str:
     try:
         health = door.health if reports_health(door) else None
     except Exception as error:  # noqa: BLE001 - the code of a door of another program
-        return f"it cannot report its health ({type(error).__name__}: {cut(in_words(error), 200)})"
+        return f"it cannot report its health ({cut(raised_text(error), 200)})"
     return health.why if health is not None and not health.lives else ""
 
 

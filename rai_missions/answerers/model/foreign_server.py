@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 from urllib.parse import urlsplit
 
+from rai_missions.errors import raised_text
 from rai_missions.redaction import cut, first_line
 
 __all__ = ("address_of", "foreign_reply")
@@ -41,7 +42,7 @@ def foreign_reply(error: BaseException, address: str) -> str:
         return ""
     return (
         f"'{address}' gave no reply of a chat model; name the URL of its API, which in OpenAI's protocol ends in /v1"
-        f" ({type(error).__name__}: {first_line(error, 80)})"
+        f" ({first_line(raised_text(error), 80)})"
     )
 
 

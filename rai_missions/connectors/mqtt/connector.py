@@ -42,7 +42,7 @@ from rai_missions.connectors.mqtt.properties import (
     request_properties,
 )
 from rai_missions.connectors.stamps import ReadingDate, dated, stamp_of
-from rai_missions.errors import ConnectorError, UsageError
+from rai_missions.errors import ConnectorError, UsageError, raised_text
 from rai_missions.redaction import cut, logger, shown
 
 __all__ = ("MqttConnector",)
@@ -311,7 +311,7 @@ class MqttConnector:
             encode(answer)
         except Exception as fault:
             log.exception("%s failed", service)
-            answer = {"why": f"{type(fault).__name__}: {fault}"}
+            answer = {"why": raised_text(fault)}
         self._send(message, answer)
 
     def _send(self, request: Any, answer: Data) -> None:

@@ -24,6 +24,7 @@ from typing import Any
 from rai_missions.connectors.process.frames import CHUNK, Broken, Inlet, outward, write_all
 from rai_missions.connectors.readable import readable
 from rai_missions.connectors.worker import Worker
+from rai_missions.errors import raised_text
 from rai_missions.redaction import cut, variables
 
 __all__ = ("PATIENCE_S", "ProcessLife")
@@ -118,7 +119,7 @@ class ProcessLife:
         except Broken as broken:
             why = str(broken)
         except Exception as error:  # noqa: BLE001 - without this, whatever asked would wait for ever
-            why = cut(f"{type(error).__name__}: {error}", 200)
+            why = cut(raised_text(error), 200)
         with contextlib.suppress(OSError):
             os.close(reply_fd)
         self._orders.close(0.0)

@@ -17,7 +17,7 @@ from rai_missions.connectors.connector import ENDS, ActionServer, Report
 from rai_missions.connectors.ros2.messages import goal_id_from_bytes, to_data, to_message
 from rai_missions.connectors.ros2.node_thread import Runtime, guarded
 from rai_missions.connectors.ros2.services import MANY
-from rai_missions.errors import ConnectorError
+from rai_missions.errors import ConnectorError, raised_text
 from rai_missions.redaction import logger
 
 __all__ = ("ServedAction",)
@@ -90,7 +90,7 @@ class ServedAction:
             self._server.accept(goal.goal_id, to_data(request[1].goal), lambda report: self._on_report(goal, report))
         except Exception as fault:
             log.exception("%s could not take goal %s", self._action, goal.goal_id)
-            self._on_report(goal, Report(goal.goal_id, "rejected", {}, f"{type(fault).__name__}: {fault}"))
+            self._on_report(goal, Report(goal.goal_id, "rejected", {}, raised_text(fault)))
 
     def accepted(self, handle: Any) -> None:
         """rclpy has answered the client: its goal is accepted."""

@@ -21,6 +21,7 @@ from rai_missions.connectors.ros2.endpoints import Peers, are_gone, servers_of_s
 from rai_missions.connectors.ros2.messages import name_of, to_data, to_message
 from rai_missions.connectors.ros2.node_thread import Runtime, Work, guarded
 from rai_missions.connectors.stamps import ReadingDate
+from rai_missions.errors import raised_text
 from rai_missions.redaction import logger
 
 __all__ = ("MANY", "Client", "InFlightLimit", "Service")
@@ -235,5 +236,5 @@ class Service:
             if known.get("success") != "boolean" or known.get("message") != "string":
                 raise  # no word for failure: the client is left to its timeout, and the log reports why
             log.exception("%s has no answer", self._service)
-            response.success, response.message = False, f"{FAILED}{type(fault).__name__}: {fault}"
+            response.success, response.message = False, f"{FAILED}{raised_text(fault)}"
             return response

@@ -34,7 +34,7 @@ from rai_missions.connectors.ros2.remote_goal import End, RemoteGoal
 from rai_missions.connectors.ros2.services import Client, Service
 from rai_missions.connectors.ros2.subscriptions import Listener, Subscriptions
 from rai_missions.connectors.stamps import ReadingDate, dated, stamp_of
-from rai_missions.errors import UsageError
+from rai_missions.errors import UsageError, raised_text
 from rai_missions.redaction import logger
 
 __all__ = ("Session",)
@@ -149,7 +149,7 @@ class Session:
                     on_shutdown()
                     return
                 log.exception("ROS makes no client")
-                refuse(f"ROS makes no client: {type(fault).__name__}: {fault}")
+                refuse(f"ROS makes no client: {raised_text(fault)}")
             else:
                 use(made)
 

@@ -13,7 +13,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from rai_missions.embodiment.document import Outline, TextDocument
-from rai_missions.errors import install_command
+from rai_missions.errors import install_command, raised_text
 
 if TYPE_CHECKING:
     from pypdf import PdfReader
@@ -48,7 +48,7 @@ def read_pdf(_name: str, data: bytes) -> TextDocument:
             )
         return _document(reader)
     except (PyPdfError, RecursionError, ArithmeticError, LookupError, TypeError, AttributeError, OSError) as error:
-        raise ValueError(f"is a broken PDF ({type(error).__name__}: {error}); print it to a new PDF") from None
+        raise ValueError(f"is a broken PDF ({raised_text(error)}); print it to a new PDF") from None
 
 
 def _page_count(reader: PdfReader) -> int:
