@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from collections.abc import Set as AbstractSet
 from typing import Any
 
@@ -176,25 +176,12 @@ def poll(program: Program, state: RunState) -> bool:
     due, draft.due, draft.polled, draft.goal_ended = draft.due, NO_KEYS, len(draft.written), False
     news, draft.news, draft.presence_changes = draft.news, {}, set()
     unseen, draft.unseen = draft.unseen, NO_KEYS
-    return bool(state.running) and _informed(program, state, keys, due, changed, news, unseen)
-
-
-def _informed(
-    program: Program,
-    state: RunState,
-    keys: frozenset[str],
-    due: frozenset[str],
-    changed: frozenset[str] | set[str],
-    news: Mapping[str, str],
-    unseen: frozenset[str],
-) -> bool:
     has_acted = False
-    for name, machine, activity in awake(program, state):
-        if not (name in due or listens(machine, activity, keys)):
+    for name, machine, activity in awake(program, state) if state.running else ():
+        if name not in due and not listens(machine, activity, keys):
             continue
-        of_others = changed | {key for key, by in news.items() if by != name}
-        data = {"keys": keys, "news": frozenset(of_others), "unseen": name in unseen}
-        tick = Event("tick", state.at, data, "tick")
+        of_others = frozenset(changed | {key for key, by in news.items() if by != name})
+        tick = Event("tick", state.at, {"keys": keys, "news": of_others, "unseen": name in unseen}, "tick")
         turn = machine.receive(activity, tick, Host(program, state))
         if turn is not None:
             take_turn(program, state, name, turn)
