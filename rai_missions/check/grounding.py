@@ -18,7 +18,7 @@ from rai_missions.states import Final
 from rai_missions.states.effects import references
 from rai_missions.states.state import OUTCOMES
 
-__all__ = ("missing_requires", "origins", "unfounded_success")
+__all__ = ("early_results", "missing_requires", "origins", "unfounded_success")
 
 
 class Origin(NamedTuple):
@@ -156,11 +156,33 @@ def unfounded_success(index: MissionIndex) -> Found:
         owner = ruled.scope.owner
         final = ruled.role == "requires" and owner is not None and owner.parent is None and _succeeds(owner.state)
         if (ruled.role == "achieved" or final) and not ruled.guard.rests(_Sources(index)):
+            or_result = ", or one that an action's 'result' writes" if final else ""
             yield (
                 ruled.place,
                 f"this can be true without a word of the robot: {ruled.guard.words():.200}; "
-                "compare a key of the source 'robot', or one that an action's 'result' writes",
+                f"compare a key of the source 'robot'{or_result}",
             )
+
+
+def early_results(index: MissionIndex) -> Found:
+    """What `achieved` reads is known before the action's own `result` is written."""
+    read: dict[str, dict[str, None]] = {}
+    for _, part, whole in index.parts:
+        if whole.role == "achieved":
+            read.setdefault(whole.place, {}).update((key_of(index, path) or "", None) for path in part.paths())
+    writers: dict[str, list[str]] = {}
+    for write in index.writes:
+        after = f"{write.place.rpartition('/result/')[0]}/achieved" if write.by == "result" else ""
+        writers.setdefault(write.key, []).append(after)
+    for place, keys in read.items():
+        for key in keys:
+            by = writers.get(key, [])
+            if place in by and all(key in read.get(other, ()) for other in by):
+                yield (
+                    place,
+                    f"it is judged before the action's 'result' writes '{key}', so the result cannot make it true; "
+                    "ask this in the 'requires' of the final that follows, or compare a key of the source 'robot'",
+                )
 
 
 def _succeeds(state: object) -> bool:

@@ -83,6 +83,7 @@ RULES: tuple[CheckRule, ...] = (
     CheckRule("long-loop", "error", loops.long_loops, "place"),
     CheckRule("missing-requires", "error", facts.missing_requires, "structure"),
     CheckRule("unfounded-success", "error", facts.unfounded_success),
+    CheckRule("early-result", "error", facts.early_results),
     CheckRule("unbounded-action", "error", bounds.unbounded_actions, "structure"),
     CheckRule("unbounded-decision", "error", bounds.unbounded_decisions, "structure"),
     CheckRule("wrong-parameters", "error", bounds.wrong_parameters, "place"),
