@@ -194,8 +194,7 @@ class Chart(ChartView):
                 written = write(state)
                 if written is None:
                     return short_way.leapt(self._program, state, event, leap, looked)
-            state.config = config = leap.config
-            state.active = config.active
+            state.config = leap.config
             state.seq = seq = state.seq + 1
             state.quiet = False
             wake = state.wake

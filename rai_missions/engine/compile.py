@@ -61,8 +61,8 @@ class CompiledMission:
         self.keepers = {memory: node for node, condition in guarded for memory in condition.holds}
         """Memory of a `held` guard → the state whose transition it guards; the root for an invariant."""
         self.invariant_reads = frozenset[str]().union(*(each.reads for each in self.invariants.values()))
-        self._configurations: dict[tuple[int, ...], Configuration] = {}
-        self.empty = Configuration((), self.root)
+        self._configurations: dict[tuple[CompiledState, ...], Configuration] = {}
+        self.empty = Configuration((), (self.root,))
 
     def _add(self, states: Mapping[str, State], parent: CompiledState, place: str) -> None:
         for name, state in states.items():
@@ -130,6 +130,8 @@ class CompiledMission:
                 self.nodes[definition.of].of_it.append(transition)
             self.transitions[transition.place] = transition
             node.timed = node.timed or definition.after_s is not None
+            has_held = transition.condition is not None and bool(transition.condition.holds)
+            node.watches = node.watches or definition.eventless or has_held
 
     def _acts(self, effects: Iterable[Effect], place: str, node: CompiledState) -> tuple[Act, ...]:
         return tuple(
@@ -157,14 +159,18 @@ class CompiledMission:
     def configuration(self, atomic: Iterable[CompiledState]) -> Configuration:
         """The one `Configuration` of these innermost states."""
         nodes = tuple(sorted(atomic, key=lambda node: node.index))
-        key = tuple(node.index for node in nodes)
-        found = self._configurations.get(key)
+        around = {each for node in nodes for each in (node, *node.ancestors)} or {self.root}
+        return self.configured(nodes, tuple(sorted(around, key=lambda node: node.index)))
+
+    def configured(self, atomic: tuple[CompiledState, ...], order: tuple[CompiledState, ...]) -> Configuration:
+        """The same of all that is active with them, both in document order."""
+        found = self._configurations.get(atomic)
         if found is None:
             if len(self._configurations) >= max(CONFIGURATIONS, 4 * len(self.order)):
                 for each in self._configurations.values():
                     each.forget()
                 self._configurations.clear()
-            found = self._configurations[key] = Configuration(nodes, self.root)
+            found = self._configurations[atomic] = Configuration(atomic, order)
         return found
 
 

@@ -88,7 +88,7 @@ class CompiledState:
     __slots__ = (
         "activity", "ancestors", "chains", "children", "clocked", "control", "depth", "entry", "exit", "history",
         "index", "initial", "is_compound", "is_each", "is_final", "is_history", "is_parallel", "last", "name",
-        "of_it", "options", "parent", "place", "requires", "state", "timed", "transitions",
+        "of_it", "options", "parent", "place", "requires", "state", "timed", "transitions", "watches",
     )  # fmt: skip
 
     def __init__(self, name: str, place: str, state: State | None, parent: CompiledState | None, index: int) -> None:
@@ -116,6 +116,8 @@ class CompiledState:
         self.activity = bool(state and state.activity())
         self.timed = bool(state and state.timeout_s is not None)
         self.clocked = False
+        self.watches = False
+        """Some transition of it needs no event, or has a guard inside `held`."""
         self.requires: CompiledGuard | None = None
         self.options = frozenset(state.options if state else ())
 

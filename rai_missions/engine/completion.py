@@ -167,7 +167,7 @@ def _has_ended(state: RunState, region: CompiledState) -> bool:
 
 def _reached(state: RunState, region: CompiledState) -> Iterator[CompiledState]:
     """The final of a region that is active, or the region where it is one."""
-    return (each for each in (region, *region.children) if each.is_final and each in state.config.nodes)
+    return (each for each in (region, *region.children) if each.is_final and state.config.is_active(each))
 
 
 def _finals(state: RunState, parallel: CompiledState) -> Iterator[CompiledState]:
@@ -209,7 +209,7 @@ def settle_nested(program: Program, state: RunState) -> None:
             continue
         assert node.parent is not None and node.requires is not None and isinstance(node.state, Final)
         outer = node.parent if node.parent.is_parallel else node.parent.parent
-        complete = tuple(program.graph.complete(outer, state.config.nodes))
+        complete = tuple(program.graph.complete(outer, state.config.is_active))
         is_met = node.requires.test(state) is True
         if not is_met and state.at < until:
             continue

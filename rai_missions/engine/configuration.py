@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterable
+from functools import cached_property
 from operator import attrgetter
 from typing import Any
 
@@ -12,9 +14,9 @@ from rai_missions.engine.step import Move
 from rai_missions.guards.view import Test, Truth
 from rai_missions.states.transition import ANY_EVENT
 
-__all__ = ("CompiledStep", "Configuration", "DirectStep", "Looked", "Plan", "inside")
+__all__ = ("CompiledStep", "Configuration", "DirectStep", "Looked", "Plan", "exchanged", "innermost", "inside")
 
-_index = attrgetter("index")
+_index, _name, _control, _watches = map(attrgetter, ("index", "name", "control", "watches"))
 
 Plan = tuple[tuple[CompiledTransition, ...], ...]
 """Chains of transitions: of each the first fires whose guard is true."""
@@ -55,34 +57,55 @@ DirectStep = tuple[Test | None, Looked, CompiledStep]
 
 
 class Configuration:
-    """A set of active states, and what can happen in it."""
+    """A set of active states, and what can happen in it.
 
-    __slots__ = (
-        "active", "atomic", "controls", "direct", "eventless", "holds", "instants", "key", "leaps", "nodes", "order",
-        "plans", "reads", "watchful",
-    )  # fmt: skip
+    Rule: what is made here at once costs as much as changes; of many regions one configuration a microstep is made.
+    """
 
-    def __init__(self, atomic: tuple[CompiledState, ...], root: CompiledState) -> None:
+    def __init__(self, atomic: tuple[CompiledState, ...], order: tuple[CompiledState, ...]) -> None:
         self.atomic = atomic
         """The innermost active states, in document order."""
-        self.key = tuple(node.index for node in atomic)
-        self.nodes = {each for node in atomic for each in (node, *node.ancestors)} or {root}
-        self.order = tuple(sorted(self.nodes, key=_index))
-        self.active = frozenset(node.name for node in self.nodes if node.state is not None)
-        self.controls = frozenset(node.control for node in self.nodes if node.control is not None)
-        """Whose control the active states need."""
+        self.order = order
+        """All active states and the root, in document order."""
         self.plans: dict[str, Plan] = {}
         self.leaps: dict[Any, CompiledStep] = {}
         self.direct: dict[str, DirectStep] = {}
         """An event that fires the same plain step whenever it fires → that step; those that happened so far."""
-        self.eventless = self._chains(None, declared=False)
-        transitions = [each for node in self.order for each in node.transitions]
+        watching = [*filter(_watches, order)]
+        self.eventless = self._chains(None, declared=False) if watching else ()
+        transitions = [each for node in watching for each in node.transitions]
         guarded = [(each.condition, each.definition.eventless) for each in transitions if each.condition is not None]
         self.holds = {memory: test for condition, _ in guarded for memory, test in condition.holds.items()}
         looked_at = [condition for condition, eventless in guarded if eventless or condition.holds]
         self.reads = frozenset[str]().union(*(condition.reads for condition in looked_at))
         self.instants = tuple(instant for condition in looked_at for instant in condition.instants)
         self.watchful = bool(self.eventless or self.holds)
+
+    @cached_property
+    def key(self) -> tuple[int, ...]:
+        """The same for each configuration of these states, also of another chart."""
+        return tuple(map(_index, self.atomic))
+
+    def is_active(self, node: CompiledState) -> bool:
+        """Whether a state is active; the root is."""
+        at = bisect_left(self.order, node.index, key=_index)
+        return at < len(self.order) and self.order[at] is node
+
+    @cached_property
+    def nodes(self) -> frozenset[CompiledState]:
+        """All active states and the root."""
+        return frozenset(self.order)
+
+    @cached_property
+    def active(self) -> frozenset[str]:
+        """The names of the active states, ancestors included."""
+        return frozenset(map(_name, self.order[1:]))
+
+    @cached_property
+    def controls(self) -> frozenset[str]:
+        """Whose control the active states need."""
+        found: frozenset[str | None] = frozenset(map(_control, self.order))
+        return frozenset(each for each in found if each is not None)
 
     def forget(self) -> None:
         """Drop the steps that were worked out; they lead round in circles, which only a search for garbage finds."""
@@ -109,7 +132,7 @@ class Configuration:
         owners = () if is_late else (source, *source.ancestors) if climbs and not option else (source,)
         own = [each for node in owners for each in node.transitions if each.definition.of is None]
         wanted = {each for each in (*own, *source.of_it) if outcome in each.outcomes}
-        tops = {each.source for each in wanted} & self.nodes
+        tops = {each.source for each in wanted if self.is_active(each.source)}
         atomic = {each for top in tops for each in inside(self.atomic, top) or (top,)}
         chains = (
             tuple([each for owner in (node, *node.ancestors) for each in owner.transitions if each in wanted])
@@ -124,6 +147,32 @@ def inside(nodes: tuple[CompiledState, ...], domain: CompiledState | None) -> tu
         return ()
     first, end = (bisect_right(nodes, index, key=_index) for index in (domain.index, domain.last))
     return nodes[first:end]
+
+
+def exchanged(
+    nodes: tuple[CompiledState, ...], out: Iterable[CompiledState], into: Iterable[CompiledState]
+) -> tuple[CompiledState, ...]:
+    """Some states in document order without some of them, and with others."""
+    found = [*nodes]
+    for node in out:
+        at = bisect_left(found, node.index, key=_index)
+        if at < len(found) and found[at] is node:
+            del found[at]
+    for node in into:
+        at = bisect_left(found, node.index, key=_index)
+        if at == len(found) or found[at] is not node:
+            found.insert(at, node)
+    return tuple(found)
+
+
+def innermost(order: tuple[CompiledState, ...], nodes: Iterable[CompiledState]) -> list[CompiledState]:
+    """Those of some states that are among others in document order, with none of these inside them."""
+    found, end = [], len(order)
+    for node in nodes:
+        at = bisect_left(order, node.index, key=_index)
+        if at < end and order[at] is node and (at + 1 == end or order[at + 1].index > node.last):
+            found.append(node)
+    return found
 
 
 def _chain(node: CompiledState, event: str | None, *, declared: bool) -> tuple[CompiledTransition, ...]:

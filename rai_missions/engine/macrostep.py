@@ -167,7 +167,7 @@ def _unanswered(program: Program, state: RunState, trigger: Trigger, source: Com
     elif trigger.name == "succeeded":
         if source.activity:
             state.draft.notes.append(f"no row took 'succeeded' of '{source.name}'")
-    elif trigger.climbs and source in state.config.nodes:
+    elif trigger.climbs and state.config.is_active(source):
         why = f"{source.name}: {trigger.name}" + (f" ({trigger.why})" if trigger.why else "")
         end(program, state, "failed", why)
 
@@ -187,7 +187,6 @@ def jump(program: Program, state: RunState, step: CompiledStep) -> None:
     if state.draft.internal or state.draft.starting or state.kept:
         _outdate(state, step.exited)
     state.config = step.config
-    state.active = step.config.active
     state.draft.presence_changes |= step.shifts
     state.draft.moves.append(step.move)
     for act in step.acts:
@@ -300,7 +299,7 @@ def _end_list(program: Program, state: RunState, node: CompiledState) -> None:
     """A list has no further item: its `each` succeeds, unless it has reported something else."""
     if not has_reported(state, node):
         state.draft.internal.append(outcome_of(node, Outcome("succeeded")))
-        complete_parallels(state, tuple(program.graph.complete(node.parent, state.config.nodes)))
+        complete_parallels(state, tuple(program.graph.complete(node.parent, state.config.is_active)))
 
 
 def _pass_round(program: Program, draft: StepDraft, node: CompiledState) -> None:

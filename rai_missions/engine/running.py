@@ -133,7 +133,7 @@ def leave_activity(program: Program, state: RunState, node: CompiledState) -> No
 
 def take_turn(program: Program, state: RunState, name: str, turn: Turn) -> None:
     """Take over what a machine has made of something."""
-    state.draft.touched = True
+    state.draft.touched, state.draft.watched = True, None
     for key, value in turn.writes:
         write_key(program, state, key, value)
     _emit(state, turn.effects)
@@ -164,6 +164,10 @@ def cancel_goals(state: RunState, numbers: Iterable[int]) -> None:
         state.draft.effects += goal_ledger.cancel(state.goals, number, begins_at(state))
 
 
+ANY_KEY = frozenset({"*"})
+"""Every key, among names that are listened to."""
+
+
 def poll(program: Program, state: RunState) -> bool:
     """Let those activities look whom a key, a state, a goal's end or the time concerns; whether one acted."""
     draft = state.draft
@@ -176,8 +180,10 @@ def poll(program: Program, state: RunState) -> bool:
     due, draft.due, draft.polled, draft.goal_ended = draft.due, NO_KEYS, len(draft.written), False
     news, draft.news, draft.presence_changes = draft.news, {}, set()
     unseen, draft.unseen = draft.unseen, NO_KEYS
+    if not state.running or not (due or _concerns_some(program, state, keys)):
+        return False
     has_acted = False
-    for name, machine, activity in awake(program, state) if state.running else ():
+    for name, machine, activity in awake(program, state):
         if name not in due and not listens(machine, activity, keys):
             continue
         of_others = frozenset(changed | {key for key, by in news.items() if by != name})
@@ -187,6 +193,14 @@ def poll(program: Program, state: RunState) -> bool:
             take_turn(program, state, name, turn)
             has_acted = True
     return has_acted
+
+
+def _concerns_some(program: Program, state: RunState, keys: frozenset[str]) -> bool:
+    """Whether some activity may want to be notified of one of these; all are asked again once one has had its turn."""
+    draft = state.draft
+    if draft.watched is None:
+        draft.watched = _watched(program, state, NO_KEYS)
+    return not draft.watched.isdisjoint(keys | ANY_KEY)
 
 
 def dispatch(program: Program, state: RunState, event: Event) -> bool:
@@ -218,12 +232,18 @@ def unfinished(program: Program, state: RunState) -> frozenset[str]:
 
 def reads(program: Program, state: RunState) -> AbstractSet[str]:
     """What may change something now when it changes: keys, and states that an activity asks for."""
-    found, trees = state.config.reads | program.graph.invariant_reads, list[RunningTree]()
+    found = state.config.reads | program.graph.invariant_reads
+    if state.settling or state.final is not None:
+        found |= ANY_KEY
+    return _watched(program, state, found)
+
+
+def _watched(program: Program, state: RunState, found: frozenset[str]) -> AbstractSet[str]:
+    """These names and those that the running activities ask for."""
+    trees = list[RunningTree]()
     for name, machine, activity in live(program, state) if state.running else ():
         if isinstance(machine, TreeMachine):
             trees.append((name, machine, activity))
         else:
             found |= machine.reads(activity)
-    if state.settling or state.final is not None:
-        found |= frozenset({"*"})
     return WatchedNames(found, tuple(trees)) if trees else found

@@ -142,8 +142,7 @@ def leapt(program: Program, state: RunState, event: Event, leap: CompiledStep, l
     """The end of a step that makes a move; its time and its payload are the run's already."""
     if not state.listening.isdisjoint(leap.shifts):
         return make_step(program, state, event)
-    state.config = config = leap.config
-    state.active = config.active
+    state.config = leap.config
     if not leap.acts:
         return value(state, event, leap.moves, looked)
     draft, timers = state.draft, (state.order, len(state.timers))

@@ -81,7 +81,6 @@ def put_back(program: Program, state: RunState, saved: Snapshot) -> None:
     for name, word, holds in TABLE:
         if word in saved:
             setattr(state, name, FORMS.get(holds, PLAIN).read(program, saved[word]))
-    state.active = state.config.active
     for name in state.running:
         program.machine(program.graph.nodes[name])
 

@@ -153,6 +153,8 @@ class StepDraft:
     written: list[tuple[str, Any]] = field(default_factory=list)
     effects: list[Any] = field(default_factory=list)
     notes: list[str | VerdictNote] = field(default_factory=list)
+    watched: AbstractSet[str] | None = None
+    """What the activities ask for, or more; None once one of them has had its turn."""
     polled: int = 0
     """How many of the keys that were written the activities have looked at."""
     presence_changes: set[str] = field(default_factory=set)
@@ -281,8 +283,6 @@ class RunState:
     listening: AbstractSet[str] = slot(frozenset(), "passing", "_listening")
     """What may change something now when it changes: keys, and states that an activity asks for."""
     # -- not remembered
-    active: frozenset[str] = frozenset()
-    """The names of the active states, ancestors included: those of `config`."""
     outdated: frozenset[str] = frozenset()
     """Before the start: the robot's keys of which nothing was fresh as it came."""
     quiet: bool = False
@@ -291,6 +291,11 @@ class RunState:
     """What the step in hand has gathered."""
     ask: Callable[[RunState, str, Mapping[str, Any]], Truth] = unanswered
     """Who answers for the predicates of the user's program."""
+
+    @property
+    def active(self) -> frozenset[str]:
+        """The names of the active states, ancestors included."""
+        return self.config.active
 
     @property
     def shown_mode(self) -> Mode:
@@ -343,5 +348,5 @@ def refuse(state: RunState, refusal: Refusal, why: str) -> None:
 def copied(state: RunState) -> RunState:
     """Another of the same run, which later steps of either do not change in the other."""
     made = RunState(*_in_order((*map(dict.copy, _dicts(state)), *_rest(state))))
-    made.active, made.ask, made.outdated = state.active, state.ask, state.outdated
+    made.ask, made.outdated = state.ask, state.outdated
     return made

@@ -34,6 +34,7 @@ def set_timer(
 ) -> None:
     """Have something come in so many seconds."""
     state.order += 1
+    state.timers.pop(key, None)  # in the order in which they were set
     state.timers[key] = Timer(now_of(state, control) + after_s, state.order, name, data or {}, control or "")
 
 

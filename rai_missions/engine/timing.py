@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from heapq import heappop, heappush
 from itertools import chain
 
 from rai_missions.engine.activities import goal_ledger
@@ -62,18 +63,10 @@ def pass_instant(program: Program, state: RunState) -> None:
     if state.mode == "canceling" and now >= state.cancel_by:
         end(program, state, "canceled", "the cancel took longer than cancel_s")
     due, draft.due = draft.due, NO_KEYS  # the activities' turn comes after that of all timers
-    for _ in range(MOST_MICROSTEPS):
-        ringing = [
-            (timer.due, timer.order, key)
-            for key, timer in state.timers.items()
-            if timer.due <= now and timer.control not in state.frozen
-        ]
-        if state.outcome is not None or not ringing:
-            break
-        key = min(ringing)[2]
+    for rung, key in enumerate(_ringing(state)):
+        if rung == MOST_MICROSTEPS:
+            return _end_endless(program, state)
         _ring(program, state, key, state.timers.pop(key))
-    else:
-        return _end_endless(program, state)
     _reject_late_handovers(program, state)
     _give_up_goals(program, state)
     draft.due = due
@@ -103,6 +96,25 @@ def _give_up_goals(program: Program, state: RunState) -> None:
         if goal.phase == "withdrawn":  # no acceptance may come any more: the server is asked to cancel all the same
             state.draft.effects.append(CancelGoal(goal.number, goal.action))
         react(program, state, Trigger("orphaned", {"action": goal.action, "number": goal.number}))
+
+
+def _ringing(state: RunState) -> Iterator[TimerKey]:
+    """The timers that are due, in their order; each that rings may set, drop and stop others, or end the mission."""
+    waiting, known, frozen = list[tuple[float, int, TimerKey]](), -1, dict[str, float]()
+    while state.outcome is None:
+        if state.frozen != frozen:
+            waiting, known, frozen = [], -1, {**state.frozen}
+        for key, timer in reversed(state.timers.items()):  # `set_timer` lays a timer behind those that were set before
+            if timer.order <= known:
+                break
+            if timer.due <= state.at and timer.control not in frozen:
+                heappush(waiting, (timer.due, timer.order, key))
+        known = state.order
+        if not waiting:
+            return
+        due, order, key = heappop(waiting)
+        if key in state.timers and state.timers[key][:2] == (due, order):
+            yield key
 
 
 def _ring(program: Program, state: RunState, key: TimerKey, timer: Timer) -> None:

@@ -7,17 +7,19 @@ Source: W3C SCXML (REC-scxml-20150901), appendix D; the docstrings give the name
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from rai_missions.engine.compile import CompiledMission
 from rai_missions.engine.compiled_states import Act, CompiledState, CompiledTransition, Memory
-from rai_missions.engine.configuration import CompiledStep, Configuration, inside
+from rai_missions.engine.configuration import CompiledStep, Configuration, exchanged, innermost, inside
 from rai_missions.engine.step import Move
 from rai_missions.guards.view import presence
 from rai_missions.states.history import History
 
 __all__ = ("EnteredStates", "Graph", "is_done")
+
+IsActive = Callable[[CompiledState], bool]
 
 
 class EnteredStates(set[CompiledState]):
@@ -158,11 +160,8 @@ class Graph(CompiledMission):
         """
         out = tuple(sorted(exited, key=lambda node: -node.index))
         into = tuple(sorted(entered, key=lambda node: node.index))
-        nodes = (config.nodes - exited) | entered
-        parents = {node.parent for node in nodes}
-        atomic = [node for node in nodes if node not in parents and node.state is not None]
-        target = self.configuration(atomic)
-        entering = tuple(self._entering(config.nodes - exited, into, entered.recalled))
+        target = self._moved(config, exited, entered)
+        entering = tuple(self._entering(config, exited, into, entered.recalled))
         every = tuple(act for node in out for act in node.exit) + acts + entering
         move = Move(taken, tuple(node.name for node in out), tuple(node.name for node in into), trigger)
         leap = CompiledStep(move, target, every)
@@ -176,22 +175,38 @@ class Graph(CompiledMission):
         leap.plain = quiet and not (ends or leap.remember or watched)
         return leap
 
+    def _moved(self, config: Configuration, exited: set[CompiledState], entered: set[CompiledState]) -> Configuration:
+        """What is active once some states were left and others entered; found from what changes, not from all of it."""
+        order = exchanged(config.order, exited, entered)
+        around = {node.parent for node in (*exited, *entered) if node.parent is not None} - {self.root}
+        before, after = innermost(config.order, exited | around), innermost(order, entered | around)
+        return self.configured(exchanged(config.atomic, before, after), order)
+
     def _entering(
-        self, active: set[CompiledState], into: Iterable[CompiledState], recalled: Mapping[CompiledState, CompiledState]
+        self,
+        config: Configuration,
+        exited: set[CompiledState],
+        into: tuple[CompiledState, ...],
+        recalled: Mapping[CompiledState, CompiledState],
     ) -> Iterable[Act]:
         """The acts of entering these; a final raises the end of its parent, and of a parallel state with it."""
+        now = set[CompiledState]()
+
+        def is_active(node: CompiledState) -> bool:
+            return node in now or (node not in exited and config.is_active(node))
+
         for node in into:
-            active.add(node)
+            now.add(node)
             if node.is_each:
                 yield self._content.enter_each(node, recalled.get(node))
             yield from node.entry
             if node.is_final and node.parent is not None:
                 outer = node.parent if node.parent.is_parallel else node.parent.parent
-                yield self._content.reach_final(node, tuple(self.complete(outer, active)))
+                yield self._content.reach_final(node, tuple(self.complete(outer, is_active)))
 
-    def complete(self, region_of: CompiledState | None, nodes: set[CompiledState]) -> Iterable[CompiledState]:
+    def complete(self, region_of: CompiledState | None, is_active: IsActive) -> Iterable[CompiledState]:
         """The parallel states that may have all their regions in a final now, inner first."""
-        while region_of is not None and region_of.is_parallel and is_done(region_of, nodes):
+        while region_of is not None and region_of.is_parallel and is_done(region_of, is_active):
             yield region_of
             region_of = region_of.parent
 
@@ -260,12 +275,12 @@ class Graph(CompiledMission):
                 self._descend(child, entered, memory)
 
 
-def is_done(node: CompiledState, nodes: set[CompiledState]) -> bool:
+def is_done(node: CompiledState, is_active: IsActive) -> bool:
     """Whether a state may have reached its end (SCXML: isInFinalState); an `each` has as its list shows."""
     if node.is_each:
-        return node in nodes
+        return is_active(node)
     if node.is_parallel:
-        return all(is_done(child, nodes) for child in reversed(node.children))  # that entered last is done last
+        return all(is_done(child, is_active) for child in reversed(node.children))  # that entered last is done last
     if node.is_final:
-        return node in nodes
-    return any(child.is_final and child in nodes for child in node.children)
+        return is_active(node)
+    return any(child.is_final and is_active(child) for child in node.children)

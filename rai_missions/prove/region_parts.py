@@ -177,7 +177,7 @@ class RegionParts:
         kept = any(name in self._is_kept for name in running)
         trees = any(isinstance(each, TreeActivity) for each in running.values())
         wakes = self.regions.mask(self._waits_for(parallel, group, nodes, fields))
-        is_ended = all(is_done(region, nodes) for region in parallel.members[group])
+        is_ended = all(is_done(region, nodes.__contains__) for region in parallel.members[group])
         around = (parallel.node, *parallel.node.ancestors)
         reads = self._rest.live.within(nodes) - self._rest.live.within(around)
         return Part(atomic, dict(fields), groups, wakes, is_quiet, (kept, trees), is_ended, reads)
@@ -243,7 +243,6 @@ class RegionParts:
         frame, parts = self.frames[spot.frame], self.of(spot)
         state = copied(frame.run)
         state.config = self._chart.program.graph.configuration(node for part in parts for node in part.atomic)
-        state.active = state.config.active
         for name in self._parted:
             inner = [part.fields.get(name, {}) for part in parts]
             if name in frame.order:

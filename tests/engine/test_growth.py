@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from rai_missions.engine import Chart, configuration, macrostep, transitions
+from rai_missions.engine import Chart, configuration, hold, macrostep, running, timing, transitions
 from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
 
@@ -80,6 +80,20 @@ def finishing(many: int) -> Json:
     return document
 
 
+def ringing(many: int) -> Json:
+    """Each region waits for the same instant, and in every second one an action runs until then."""
+
+    def region(n: int) -> Json:
+        after: Json = {"transitions": [{"after_s": 0.5, "to": f"there{n}"}]}
+        until: Json = {"action": "go", "timeout_s": 0.5, "transitions": [{"on": "timed_out", "to": f"there{n}"}]}
+        here = until if n % 2 else after
+        return {"initial": f"here{n}", "states": {f"here{n}": here, f"there{n}": {"final": "succeeded"}}}
+
+    document = finishing(many)
+    document["states"]["all"]["parallel"] = {f"r{n}": region(n) for n in range(many)}
+    return document
+
+
 OVER: Json = {"on": "go", "to": "over"}
 
 
@@ -112,6 +126,12 @@ def lines_of(document: Json, module: ModuleType) -> int:
         (leaving, transitions),
         (finishing, transitions),
         (finishing, configuration),
+        (ringing, configuration),
+        (ringing, hold),
+        (ringing, macrostep),
+        (ringing, running),
+        (ringing, timing),
+        (ringing, transitions),
     ],
 )
 def test_twice_as_many_regions_cost_twice_as_much(document: Any, module: ModuleType) -> None:
