@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.conversation.language_faults import language_faults
-from rai_missions.conversation.phrases import AnyPhrase, Phrases, examples_of, part_of_verb, parts_of
+from rai_missions.conversation.phrases import AnyPhrase, Phrases, around_object, examples_of, part_of_verb, parts_of
 from rai_missions.errors import DefinitionError, UsageError, suggestion
 from rai_missions.kinds import known_names, offered
 from rai_missions.mission.json_reader import read_json
@@ -132,11 +132,13 @@ class Language(LanguageTexts):
     def imperative(self, words: Sequence[str]) -> list[str]:
         """An order whose verb has another form, as it is in an order: `go home` of `going home`.
 
-        A verb at the end becomes the first word: `fahre nach hause` of `nach hause fahren`; what follows `…` in its
-        form stays at the end.
+        A verb at the end becomes the first word, also in place of one to go: `hole die post` of `geh die post holen`;
+        what follows `…` in its form stays at the end.
         """
         forms: Mapping[str, str] = self.data["verb_forms"]
-        for verb, rest in ((words[:1], words[1:]), (words[-1:], words[:-1])):
+        before = words[:-1]
+        before = before[1:] if before[:1] and before[0] in self.data["going"] else before
+        for verb, rest in ((words[:1], words[1:]), (words[-1:], before)):
             if form := forms.get("".join(verb)):
                 begun, _, end = form.partition("…")
                 return [*begun.split(), *rest, *end.split()]
@@ -170,17 +172,20 @@ class Language(LanguageTexts):
         Raises:
             UsageError: One is not closed, or names a part that does not exist.
         """
-        return Phrases(map(self._with_verbs, phrases), self.parts)
+        return Phrases((way for phrase in phrases for way in self._with_verbs(phrase)), self.parts)
 
     def order_examples(self, phrase: str) -> list[str]:
         """Plain sentences of a phrase of a robot's profile, with each verb of a sense."""
-        return self.examples(self._with_verbs(phrase))
+        return self.examples(self._with_verbs(phrase)[-1])
 
-    def _with_verbs(self, phrase: str) -> str:
-        """The phrase with each verb of its sense, and with each form of a preposition: `ins` for `in`."""
+    def _with_verbs(self, phrase: str) -> list[str]:
+        """The phrase with each verb around its object; then with the others of its sense, each preposition written."""
         forms: Mapping[str, str] = self.data["prepositions_written"]
-        own = self._verb.sub(lambda found: f"<{part_of_verb(found[0])}>", self._own(phrase))
-        return WORD.sub(lambda found: f"({forms[found[0]]})" if found[0] in forms else found[0], own)
+        own = self._own(phrase)
+        verb = self._verb.match(own)
+        ways = around_object(self.data["verbs"][verb[0]], own[verb.end() :]) if verb else []
+        ways.append(self._verb.sub(lambda found: f"<{part_of_verb(found[0])}>", own))
+        return [WORD.sub(lambda found: f"({forms[found[0]]})" if found[0] in forms else found[0], way) for way in ways]
 
     def _own(self, phrase: str) -> str:
         return WORD.sub(lambda found: self.written_out(found[0]), phrase)

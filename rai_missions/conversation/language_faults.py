@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from string import Formatter
 from typing import Any
 
-from rai_missions.conversation.phrases import SLOT, Phrases, parts_of
+from rai_missions.conversation.phrases import AROUND, SLOT, Phrases, in_one_piece, parts_of
 from rai_missions.errors import Fault, UsageError, pointer, suggestion
 from rai_missions.redaction import shown
 
@@ -29,6 +29,7 @@ OF_OWN_WORDS = frozenset(
         "indefinite",
         "measures",
         "mishearings",
+        "numbering",
         "numbers",
         "ordinals",
         "prepositions_written",
@@ -120,8 +121,8 @@ def _writing(
             yield from _writing(own[name], english[name], parts, (*steps, name), passed)
     elif steps[0] in ("parts", "verbs"):
         for name, value in own.items():
-            listed = "|".join(value) if isinstance(value, list) else value
-            if why := _phrase_fault([f"({listed})"], (), parts):
+            pieces = [piece for each in value for piece in each.split(AROUND)] if isinstance(value, list) else [value]
+            if why := _phrase_fault([f"({each})" for each in pieces], (), parts) or _around_fault(value):
                 yield Fault(pointer((*steps, name)), why)
     elif why := _fault_of(own, english, parts, steps):
         yield Fault(pointer(steps), why)
@@ -169,6 +170,16 @@ def _phrase_fault(phrases: Sequence[str], slots: Sequence[str], parts: Mapping[s
     there = ", ".join(f"{{{each}}}" for each in sorted(set(slots))) or "none"
     with_it = (each for each in phrases for slot in unknown[:1] if f"{{{slot}}}" in each)
     return next((f"the phrase {shown(each)} has {{{unknown[0]}}}; there is: {there}" for each in with_it), "")
+
+
+def _around_fault(forms: str | Sequence[str]) -> str:
+    """Why forms of a verb cannot be around its object; empty if they can, and for a part."""
+    if isinstance(forms, str):
+        return ""
+    if not in_one_piece(forms):
+        return f"each of its forms has a '{AROUND}'; write one without"
+    several = (each for each in forms if each.count(AROUND) > 1)
+    return next((f"the phrase {shown(each)} has '{AROUND}' twice; keep one" for each in several), "")
 
 
 def _pattern_fault(pattern: str) -> str:

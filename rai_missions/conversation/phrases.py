@@ -2,7 +2,7 @@
 """Phrases of a grammar as data, compiled: `(start|begin) [the] {mission}`.
 
 `(a|b)` is one of several, `[a|b]` may be left out, `{slot}` is one or more words, `*` too, `<part>` a list of the file,
-`~ing` a word with this ending, `$` the end of the words.
+`~ing` a word with this ending, `$` the end of the words; in a verb, `…` is its object.
 Rule: a phrase matches a whole sentence or nothing.
 """
 
@@ -14,12 +14,17 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from rai_missions.errors import UsageError
 
-__all__ = ("SLOT", "AnyPhrase", "Phrases", "example_of", "examples_of", "part_of_verb", "parts_of")
+__all__ = (
+    "AROUND", "SLOT", "AnyPhrase", "Phrases", "around_object", "example_of", "examples_of", "in_one_piece",
+    "part_of_verb", "parts_of",
+)  # fmt: skip
 
 ATOM = re.compile(r"[()\[\]|*$]|\{(\w+)\}|<(\w+)>|[^\s()\[\]|{}<>*$]+")
 SLOT = re.compile(r"\{(\w+)\}")
 """The place of a value in a phrase or a text: `stack {rest}`."""
 WORDS = r"(?:\S+ )+?"
+AROUND = "…"
+"""The place of the object in a verb that is around it."""
 
 
 def _compiled(phrase: str, parts: Mapping[str, str], within: tuple[str, ...] = ()) -> str:
@@ -82,7 +87,26 @@ def part_of_verb(verb: str) -> str:
 
 def parts_of(parts: Mapping[str, str], verbs: Mapping[str, Sequence[str]]) -> dict[str, str]:
     """What phrases of a language name as `<part>`: its parts, and each verb with the others of its sense."""
-    return {**parts, **{part_of_verb(verb): "|".join(each) for verb, each in verbs.items()}}
+    return {**parts, **{part_of_verb(verb): "|".join(in_one_piece(each)) for verb, each in verbs.items()}}
+
+
+def in_one_piece(forms: Iterable[str]) -> list[str]:
+    """The forms of a verb but for those around its object, `tidy … up`."""
+    return [each for each in forms if AROUND not in each]
+
+
+def around_object(forms: Iterable[str], rest: str) -> list[str]:
+    """The phrases that begin with a verb around its object: `tidy {place} up [now]` and `tidy {place} [now] up`.
+
+    Args:
+        forms: Of the verb.
+        rest: What follows it in a phrase, `{place} [now]`; the first slot is the object.
+    """
+    if (thing := SLOT.search(rest)) is None:
+        return []
+    ends = dict.fromkeys((thing.end(), len(rest)))
+    pieces = (form.split(AROUND, 1) for form in forms if AROUND in form)
+    return [f"{begin} {rest[:end]} {last} {rest[end:]}" for begin, last in pieces for end in ends]
 
 
 def example_of(phrase: str) -> str:

@@ -12,11 +12,19 @@ from hypothesis import strategies as st
 
 from rai_missions.conversation import KeyView, MissionView, StatusView
 from rai_missions.conversation.language import language, languages
-from rai_missions.conversation.phrases import Phrases
+from rai_missions.conversation.phrases import AROUND, Phrases
+from rai_missions.conversation.sentence_grammar import SentenceGrammar
 from rai_missions.conversation.start_phrases import StartPhrases
 
 VIEW = StatusView(missions=(MissionView("assist", "", (KeyView("object", "string", "argument"),)),))
 VERBS = [(code, verb) for code in languages() for verb in language(code).data["verbs"]]
+AROUND_OBJECTS = [
+    (code, verb, *form.split(AROUND))
+    for code, verb in VERBS
+    for form in language(code).data["verbs"][verb]
+    if AROUND in form
+]
+"""The forms of verbs that are around their object, `tidy … up`, in two pieces."""
 WHOLE = ("come back", "komme zurück")
 """Verbs that are an order by themselves."""
 HEADS: Mapping[str, Mapping[str, str]] = {
@@ -58,6 +66,37 @@ def test_a_phrase_with_a_listed_verb_is_read_with_each_verb_of_its_sense(
     assert language(code).order_phrases([f"please {verb} now"]).fits(["please", *words, "now"])
     if verb not in WHOLE:  # the value begins where the verb ends
         assert object_of(code, f"{verb} {{object}}", [*words, "xylophone"]) == "xylophone"
+
+
+@pytest.mark.parametrize(("code", "verb", "begin", "end"), AROUND_OBJECTS)
+@pytest.mark.parametrize("more", ["", " [from here]"])
+@settings(max_examples=5)
+@given(data=st.data())
+def test_a_verb_around_its_object_is_read_with_the_object_in_it(
+    code: str, verb: str, begin: str, end: str, more: str, data: st.DataObject
+) -> None:
+    pieces = [re.compile(Phrases([piece], language(code).parts).pattern) for piece in (begin, end)]
+    words = [data.draw(st.from_regex(piece, fullmatch=True)).split() for piece in pieces]
+    assert object_of(code, f"{verb} {{object}}{more}", [*words[0], "red", "xylophone", *words[1]]) == "red xylophone"
+
+
+@pytest.mark.parametrize(
+    ("code", "sentence", "phrase", "thing"),
+    [
+        ("en", "clean the hall up", "clean {object}", "hall"),
+        ("en", "give the plants a little water", "water {object}", "plants"),
+        ("en", "pick the parcel up from reception", "fetch {object} [from reception]", "parcel"),
+        ("de", "räum bitte das Büro auf", "reinige {object}", "büro"),
+        ("de", "kannst du die Küche sauber machen", "reinige {object}", "küche"),
+        ("de", "geh die Handtücher holen", "hole {object}", "handtücher"),
+        ("de", "lauf hinter Tom her", "folge {object}", "tom"),
+        ("de", "prüf die Pumpe", "prüfe {object}", "pumpe"),
+    ],
+)
+def test_an_order_has_the_object_that_its_verb_is_around(code: str, sentence: str, phrase: str, thing: str) -> None:
+    grammar = SentenceGrammar(language(code), starts(code, phrase), {})
+    read = [each.arguments.get("object") for each in grammar.senses(language(code).normaliser.words(sentence), VIEW)]
+    assert read == [thing]
 
 
 @pytest.mark.parametrize("code", languages())

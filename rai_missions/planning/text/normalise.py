@@ -31,7 +31,7 @@ QUOTES = re.compile(r"[\"“”„«»]|(?<!\w)'(?=\w).*[\w.,!?]'(?!\w)|^\s*>", 
 """Words of others, also lines of a mail in the reply to it, but for `'em` and `the boys' room`, which have one sign."""
 SENTENCES = re.compile(r"(?<=[.!?;])\s+")
 CLAUSES = re.compile(r"(?<=[.!?;,:])\s+|\s[-–—]+\s")
-TOKEN = re.compile(r"\d+(?:st|nd|rd|th)\b|-?\d+(?:[.,]\d+)*|[^\W\d_]+(?:'[^\W\d_]+)*|[^\W_]+|[@&]")
+TOKEN = re.compile(r"\d+(?:st|nd|rd|th)\b|(?<![^\W_])-?\d+(?:[.,]\d+)*|[^\W\d_]+(?:'[^\W\d_]+)*|[^\W_]+|[@&]")
 
 
 def readable(text: str, *, by: Cut = clipped) -> str:
@@ -107,6 +107,10 @@ class Normaliser:
         self._reporting, self._speaking = frozenset(data["reporting"]), frozenset(data["speaking"])
         self._quoting = frozenset(data["quoting"])
         self._articles = frozenset(data["articles"])
+        stops, titles = "|".join(data["stops"]), "|".join(data["titles"])
+        self._title = re.compile(rf"\b({titles})\.\s+(?=\w)(?!(?:{stops})\b)", re.IGNORECASE)
+        self._numbering: Mapping[str, str] = data["numbering"]
+        self._numbered = re.compile(rf"\b({'|'.join(self._numbering)})\.\s*(?=\d)", re.IGNORECASE)
         self._called = lru_cache(maxsize=64)(self._words_of)
 
     def words(self, text: str) -> list[str]:
@@ -120,9 +124,17 @@ class Normaliser:
     def words_in(self, text: str) -> list[str]:
         """The same of a text that is `readable`."""
         found = list[str]()
-        for token in TOKEN.findall(text.lower()):
+        for token in TOKEN.findall(self._without_abbreviations(text).lower()):
             found += (self._contractions.get(token) or self._written_out(token)).split()
         return found
+
+    def _without_abbreviations(self, text: str) -> str:
+        """The text without points that end no sentence: `Dr Miller` of `Dr. Miller`, `pump number 3` of `pump no. 3`.
+
+        A word to stop behind a point is a sentence, whatever is ahead of it.
+        """
+        text = self._numbered.sub(lambda found: f"{self._numbering[found[1].lower()]} ", text)
+        return self._title.sub(r"\1 ", text)
 
     def _written_out(self, token: str) -> str:
         """A word whose last letters stand for a word of their own: `why've` is `why have`."""
@@ -198,7 +210,7 @@ class Normaliser:
         of_others = (word for word, by in zip(words, ["", *words], strict=False) if by not in self._speaking)
         if self.is_quoting(text) or not reporting.isdisjoint(of_others):
             return [text]
-        return [each for each in at.split(text.strip()) if each]
+        return [each for each in at.split(self._without_abbreviations(text).strip()) if each]
 
 
 def _by_length(given: Iterable[str]) -> list[list[str]]:
