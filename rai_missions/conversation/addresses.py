@@ -38,6 +38,8 @@ class Addresses:
         self._asking, self._bidding = Phrases(data["asking"], {}), Phrases(data["bidding"], {})
         self._asking_past = Phrases(data["asking_past"], {})
         self._settings, self._knowing = Phrases(data["settings"], {}), frozenset(data["knowing"])
+        knowing = "|".join(map(re.escape, self._knowing))
+        self._presupposed = re.compile(rf"\b(?:{knowing})\s+(?:that |dass )?(\S+ \S+ \S.*)", re.IGNORECASE)
         self._stating = rules.states | rules.acts | rules.strong | rules.work | rules.scene
         self._unknown = re.compile(data["unknown_pattern"], re.IGNORECASE)
         self._condition = re.compile(data["condition_pattern"], re.IGNORECASE)
@@ -58,29 +60,37 @@ class Addresses:
     def uncovered(self, text: str, *, is_question: bool) -> list[str]:
         """The clauses of a sentence that its question, bid or condition does not cover, each as a statement.
 
+        A condition covers what can, would or will be, a question what it asks, but not what it has as known: `would
+        you believe the door is open?`. A statement covers no other one.
+
         Args:
             text: A plain sentence.
             is_question: Whether it ends with a question mark.
         """
         known = self.known(text)
         parts = self._rules.parts(known)
-        if is_question:
+        if self.is_statement(text, is_question=is_question):
+            covered = -1 if parts[1:] else 0
+        elif is_question:
             covered = next((at for at, each in enumerate(parts) if self._is_asking(each)), len(parts) - 1)
-        elif known != text or (parts and self._bidding.begin(self._bare(parts[0]))):
-            covered = 0
+        elif known != text:
+            covered = next((at for at, each in enumerate(parts) if self._is_open(each)), -1)
         else:
-            return []
-        return self._statements([*parts[:covered], *parts[covered + 1 :]])
+            covered = 0
+        asked = " ".join(parts[covered : covered + 1]) if is_question else ""
+        presupposed = self._presupposed.findall(asked)
+        return self._statements([*parts[:covered], *parts[covered + 1 :], *presupposed] if covered >= 0 else parts)
 
-    def stated(self, text: str, *, is_question: bool) -> list[str]:
-        """The clauses of a sentence that states something, each as a sentence; none of a question or a condition.
+    def is_statement(self, text: str, *, is_question: bool) -> bool:
+        """Whether a sentence neither asks, nor bids, nor leaves anything open."""
+        known = self.known(text)
+        first = next(iter(self._rules.parts(known)), "")
+        return not is_question and known == text and not (first and self._bidding.begin(self._bare(first)))
 
-        Args:
-            text: A plain sentence.
-            is_question: Whether it ends with a question mark.
-        """
-        is_open = is_question or self.known(text) != text
-        return [] if is_open else self._statements(self._rules.parts(text))
+    def _is_open(self, clause: str) -> bool:
+        """Whether the main clause of a condition depends on it: what can, would or will be."""
+        rules = self._rules
+        return bool((rules.abilities | rules.conditional | rules.future) & set(rules.words(clause)))
 
     def _statements(self, parts: Sequence[str]) -> list[str]:
         return [f"{each.rstrip('.!? ')}." for each in parts if not self._is_attached(self._rules.words(each))]
@@ -95,8 +105,8 @@ class Addresses:
         return words[0] in self._attached or self._is_setting(bare)
 
     def _is_asking(self, clause: str) -> bool:
-        words = self._bare(clause)
-        return self._asking.begin(words) or words[0] in self._rules.asking_words
+        words, bare = self._rules.words(clause), self._bare(clause)
+        return self._asking.begin(bare) or bool(self._rules.asking_words & {words[0], bare[0]})
 
     def main(self, clauses: Sequence[Sequence[str]]) -> list[Sequence[str]]:
         """The clauses from the main one on: without `in that case`, `to start a mission`."""

@@ -17,13 +17,15 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
-__all__ = ("FOLDER", "MOST_OF_CLAUSE", "ClaimWeights", "claim_weights", "features")
+__all__ = ("FOLDER", "MOST_IN_DOUBT", "MOST_OF_CLAUSE", "ClaimWeights", "claim_weights", "features")
 
 FOLDER = Path(__file__).parent / "claim_weights"
 MOST = 1.5
 """Above this score a sentence is a claim, even where the rules find nothing."""
 MOST_OF_CLAUSE = 1.0
 """Above this score a clause by itself is a claim, where the rules doubt the sentence."""
+MOST_IN_DOUBT = 0.0
+"""Above this score such a clause is a claim where the rules doubt the clause itself: more like claims than not."""
 LEAST_WORDS, LEAST_LETTERS = 1 / 3, 0.8
 """Shares of a sentence's words, and of its runs of letters, that are known of a language; with fewer of both it is of
 another one.

@@ -7,7 +7,7 @@ subject, or whose passive leaves open who did it, or whose subject is a certain 
 passes with a mark of what is no report alone: a question, a modal, a condition, a kind of things, a definition.
 What is in doubt by these rules passes where its words are those of harmless sentences, and a sentence whose words are
 those of claims never does (`claim_score`). What is in brackets or behind a dash is also judged by itself, and so is
-each clause next to a question, a bid or a condition: these cover no other one.
+each clause that could be a sentence: what asks, bids, leaves open or states something harmless covers no other one.
 Rule: in doubt it is a claim. A harmless sentence that is replaced costs a sentence; a claim that passes costs trust.
 """
 
@@ -18,7 +18,7 @@ import unicodedata
 from collections.abc import Sequence
 from itertools import chain, pairwise
 
-from rai_missions.conversation.claim_score import MOST_OF_CLAUSE, claim_weights
+from rai_missions.conversation.claim_score import MOST_IN_DOUBT, MOST_OF_CLAUSE, claim_weights
 from rai_missions.conversation.claim_words import CLAUSES
 from rai_missions.conversation.harmless_clauses import LEAST_PREDICATE
 from rai_missions.conversation.judged_sentence import CERTAIN, ClaimKind, JudgedSentence, claim_rules
@@ -47,6 +47,8 @@ PAUSES = re.compile(r"[-–…!?]|\.(?!\d)")
 MARKS = re.compile(r"[*_`~#>\"“”„«»\[\]{}]+|(?<!\w)'|'(?!\w)")
 DONE_SIGNS = frozenset("✅✔☑🏁🎉👍👌🆗💯🚀")
 """Signs that report a result without a word."""
+UNKNOWN: frozenset[ClaimKind] = frozenset(("", "language", "fragment"))
+"""The kinds that show nothing of a clause among others: a name or an item of a list is a fragment, too."""
 LEAST_SHARE = 0.15
 """Of a sentence's words that are another language's small words, below which it is not judged by that one's rules."""
 LONGEST_PIECE = 4
@@ -81,14 +83,34 @@ class Claims:
         """
         parts = [self._addresses.unconditioned(plain(each)) for each in statements(sentence)]
         judged = [sentence] if parts == [plain(sentence)] else [sentence, *parts]
-        uncovered = (part for each in judged for part in self._uncovered(each))
-        return next(filter(None, (self._why(each, view) for each in chain(judged, uncovered))), "")
+        whole = (self._why(each, view) for each in judged)
+        return next(filter(None, chain(whole, (self._why_clause(each, view) for each in judged))), "")
 
-    def _uncovered(self, sentence: str) -> list[str]:
-        """The clauses that state something behind a question, a bid or a condition."""
-        text = self._addresses.unconditioned(plain(sentence))
-        clauses = self._addresses.uncovered(text, is_question=_is_question(sentence))
-        return [each for each in clauses if len(each.split()) > SHORT or self._weights.score(each) > MOST_OF_CLAUSE]
+    def _why_clause(self, sentence: str, view: StatusView) -> ClaimKind:
+        """See `why_replaced`; of the clauses of a sentence of which each states something by itself."""
+        text, is_question = self._addresses.unconditioned(plain(sentence)), _is_question(sentence)
+        most = MOST_IN_DOUBT if self._addresses.is_statement(text, is_question=is_question) else self._weights.least
+        clauses = self._addresses.uncovered(text, is_question=is_question)
+        is_list = any(self._harmless.states_ability(self._own.words(each)) for each in clauses[:1])
+        stated = (each for each in clauses if not (is_list and self._harmless.is_listed(self._own.words(each))))
+        return next(filter(None, (self._why_stated_clause(each, view, most) for each in stated)), "")
+
+    def _why_stated_clause(self, clause: str, view: StatusView, most: float) -> ClaimKind:
+        """See `why_replaced`; of one clause, which is too short for another language.
+
+        Args:
+            clause: The clause, as a sentence.
+            view: The run.
+            most: The score up to which it passes where the rules doubt it.
+        """
+        kind = self.why_suspected(clause, view)
+        if kind in CERTAIN and kind != "language":
+            return kind
+        if kind in UNKNOWN:
+            most = MOST_OF_CLAUSE
+        elif len(clause.split()) <= SHORT:
+            most = MOST_IN_DOUBT
+        return (kind or "report") if self._weights.score(clause) > most else ""
 
     def _why(self, sentence: str, view: StatusView) -> ClaimKind:
         """See `why_replaced`; of a sentence that is one statement."""
@@ -97,9 +119,7 @@ class Claims:
             return kind
         text = plain(sentence)
         if not kind:
-            stated = self._addresses.stated(text, is_question=_is_question(sentence))
-            scored = [text, *(each for each in stated if len(each.split()) >= LEAST_SCORED)]
-            return "report" if any(map(self._weights.is_claim, scored)) else ""
+            return "report" if self._weights.is_claim(text) else ""
         return "" if self._weights.is_harmless(text, scored_clauses(text)) else kind
 
     def why_suspected(self, sentence: str, view: StatusView) -> ClaimKind:

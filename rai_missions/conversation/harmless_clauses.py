@@ -68,8 +68,14 @@ class HarmlessClauses:
         if self.is_present(words):
             return False
         if bare[0] in rules.indefinite:  # `a truck blocks the road`
-            return len(bare) > 1 + LEAST_PREDICATE and not self._certain & set(bare[1 : CERTAIN_WITHIN + 1])
+            is_long = len(bare) > 1 + LEAST_PREDICATE
+            return is_long and not self._certain & set(bare[1 : CERTAIN_WITHIN + 1]) and not self._has_happened(bare)
         return self.is_kind(bare, least=least)
+
+    def _has_happened(self, words: Sequence[str]) -> bool:
+        """Whether a clause about any thing reports an event, or has to do with the robot: `a man has waved at me`."""
+        rules = self._rules
+        return bool(rules.objects & set(words)) or any(map(rules.is_past, words[LEAST_PREDICATE:]))
 
     def is_kind(self, words: Sequence[str], *, least: int = LEAST_PREDICATE) -> bool:
         """Whether a clause is about a kind of things, and about no certain one: `plants need water`."""

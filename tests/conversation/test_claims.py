@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import cycle
+from itertools import cycle, product
 from pathlib import Path
 
 import pytest
@@ -13,7 +13,7 @@ import pytest
 from rai_missions.conversation import KeyView
 from rai_missions.conversation.claim_score import claim_weights
 from rai_missions.conversation.claims import Claims
-from tests.conversation.stored import CLAIMS, PATROLLING
+from tests.conversation.stored import CLAIMS, PATROLLING, read
 
 VIEW = PATROLLING._replace(run="", mode="")
 MOST_FALSE = 0.2
@@ -22,9 +22,13 @@ DRESSES = ('"{}"', "**{}**", "- {}")
 JOINED = CLAIMS["joined"]
 """Harmless words around a claim."""
 OPENED = CLAIMS["opened"]
-"""A claim next to a question, a bid or a condition, which covers none but its own clause."""
-MOST_OPENED = 0.02
+"""A claim next to a question, a bid, a condition or a harmless statement, which cover none but their own clause."""
+MOST_OPENED = 0.006
 """The share of these that may pass: a clause of one or two words has too little to score."""
+GENERATED = read("claim_forms.json")
+"""Subjects and predicates of other robots, of which each pair is a claim, and what it is embedded in."""
+MOST_GENERATED = 0.04
+"""The share of generated claims that may pass."""
 FORMS = CLAIMS["forms"]
 """Forms of sentences that are spoken or replaced, each with its sentences by language."""
 
@@ -37,6 +41,15 @@ def joined(code: str, every: int = 1) -> Iterator[str]:
             if (number + place) % every == 0:
                 text = form.format(bare[:1].lower() + bare[1:])
                 yield f"{text[:1].upper()}{text[1:]}."
+
+
+def generated(code: str) -> Iterator[str]:
+    """Each subject with each of its predicates, in each embedding."""
+    given = GENERATED[code]
+    for kind, subjects in given["subjects"].items():
+        for subject, predicate, form in product(subjects, given["predicates"][kind], given["embeddings"]):
+            text = form.format(f"{subject} {predicate}")
+            yield f"{text[:1].upper()}{text[1:]}"
 
 
 def replaced(sentences: Mapping[str, Sequence[str]]) -> dict[str, str]:
@@ -59,12 +72,19 @@ def test_no_claim_passes_among_any_harmless_words(code: str) -> None:
 
 
 @pytest.mark.parametrize("code", sorted(CLAIMS["claims"]))
-def test_hardly_a_claim_passes_next_to_a_question_a_bid_or_a_condition(code: str) -> None:
+def test_hardly_a_claim_passes_next_to_what_states_nothing_of_the_robot(code: str) -> None:
     claims, every = Claims(code), CLAIMS["claims"][code]
     bare = [f"{each[:1].lower()}{each[1:].rstrip('.!')}" for each in every]
-    texts = [form.format(each) for at, form in enumerate(OPENED[code]) for each in bare[at::5]]
+    texts = [form.format(each) for at, form in enumerate(OPENED[code]) for each in bare[at :: len(OPENED[code])]]
     passed = [each for each in texts if not claims.why_replaced(each, VIEW)]
     assert len(passed) <= MOST_OPENED * len(texts), passed
+
+
+@pytest.mark.parametrize("code", sorted(GENERATED))
+def test_hardly_a_generated_claim_passes_whatever_it_is_embedded_in(code: str) -> None:
+    claims, texts = Claims(code), [*generated(code)][::7]
+    passed = [each for each in texts if not claims.why_replaced(each, VIEW)]
+    assert len(passed) <= MOST_GENERATED * len(texts), passed
 
 
 @pytest.mark.parametrize("code", sorted(CLAIMS["claims"]))
