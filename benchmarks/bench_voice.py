@@ -16,12 +16,12 @@ import statistics
 import sys
 import time
 from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from itertools import product
 from pathlib import Path
 from pydoc_data.topics import topics
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -39,11 +39,13 @@ from rai_missions.conversation import (
     Utterance,
 )
 from rai_missions.voice.ear import WAKE_WORDS, EchoCanceller, WakeWord
+from rai_missions.voice.kind import opened
 from rai_missions.voice.listener import PHRASES, WAKE_CUTOFF, ListenSettings, SpeechListener, Transcript
-from rai_missions.voice.process import SpeechProcess
+from rai_missions.voice.process import OnReply, SpeechProcess, SpeechReply
 from rai_missions.voice.recognisers.whisper import plain_words
-from rai_missions.voice.setup import ListenNames, open_recognition
+from rai_missions.voice.setup import ListenNames, Recognition, open_recognition
 from rai_missions.voice.voices.flite import Flite
+from rai_missions.voice.worker import ORDERS as ORDERS_OF_PROCESSES
 
 SPEAKERS = ("slt", "rms", "awb", "kal")
 ORDERS = ("pause the mission", "resume the mission", "continue", "cancel the mission", "start the mission", "yes", "no")
@@ -56,7 +58,9 @@ RECOGNISER = os.environ.get("RECOGNISER", "whisper")
 LEVELS = tuple(int(each) for each in os.environ.get("DB", "40 20 10").split())
 """By how many dB the noise of the orders is below the speech."""
 FIRST, LAST = (int(each) for each in os.environ.get("WINDOWS", "0 1000000").split())
-"""Which windows of read text and of noise are transcribed: parts of a long run, one after the other."""
+"""Which windows of `false` are transcribed: parts of a long run, one after the other."""
+HERE = "HERE" in os.environ
+"""The ear and the recognisers are in this process, which costs less, and no wall clock ends what is slow."""
 WORDS = tuple(os.environ.get("WORDS", " ".join(WAKE_WORDS)).split())
 """The wake words of `wake`, `called` and `alarms`."""
 HOURS = float(os.environ.get("HOURS", "0.1"))
@@ -77,15 +81,60 @@ SENTENCES = (
 )  # fmt: skip
 
 
-class Bench:
-    """The whole pipeline, with processes that are kept from one recording to the next."""
+OWN = (
+    "The mission has ended. I drove all alleys.",
+    "I am driving to the kitchen.",
+    "Stop. Cancel the mission. Yes.",
+)
+"""Reports of the robot."""
 
-    def __init__(self, names: ListenNames | None = None) -> None:
+
+class PartHere(SpeechProcess):
+    """What a process would hold, in this one: on a machine with other work an ear is too late otherwise."""
+
+    _held: Any = None
+
+    def open(self) -> None:
+        self._held = opened(self.sort, self.name, self._options)
+
+    def wait_ready(self, within_s: float = 0.0) -> bool:
+        return True
+
+    def close(self, within_s: float = 0.0) -> None:
+        self._held = None
+
+    def ask(
+        self, order: Mapping[str, Any], blobs: Sequence[bytes] = (), *, on_reply: OnReply, on_part: object = None
+    ) -> None:
+        on_reply(SpeechReply(ORDERS_OF_PROCESSES[self.sort](self._held, order, blobs, -1)))
+
+
+class Bench:
+    """The whole pipeline, with processes that are kept from one recording to the next.
+
+    Args:
+        names: Of the recognisers and the wake word.
+        here: All of it in this process.
+    """
+
+    def __init__(self, names: ListenNames | None = None, *, here: bool = False) -> None:
         self.found: list[Transcript] = []
         self.present: list[float] = []
         names = names or ListenNames(RECOGNISER)
+        self._part = PartHere if here else SpeechProcess
         self.settings = ListenSettings(needs_wake_word=bool(names.wake_word))
-        self.recognition = open_recognition(names, ListenSettings(), on_transcript=self.found.append)
+        if here:
+            whisper, _, options = names.recogniser.partition(":weights=")
+            processes = (
+                PartHere("ear", "ear", {"wake_word": names.wake_word}),
+                PartHere("recogniser", whisper, {"threads": 1} | ({"weights": options} if options else {})),
+                PartHere("recogniser", names.second),
+            )
+            for process in processes:
+                process.open()
+            self.recognition = Recognition(SpeechListener(*processes, on_transcript=self.found.append), processes)
+        else:
+            self.recognition = open_recognition(names, ListenSettings(), on_transcript=self.found.append)
         self.recognition.wait_ready()
 
     def of(self, sound: FileSound, *, after: int = 30) -> list[Transcript]:
@@ -113,7 +162,7 @@ class Bench:
         """An ear that knows no room yet."""
         ear, *others = self.recognition.processes
         ear.close()
-        fresh = SpeechProcess("ear", "ear", within_s=5.0)
+        fresh = self._part("ear", "ear", within_s=5.0)
         fresh.open()
         self.recognition = self.recognition._replace(processes=(fresh, *others))
 
@@ -244,41 +293,77 @@ def text_windows(count: int, random: np.random.Generator) -> Iterator[tuple[str,
         yield " ".join(words[start : start + size]), SPEAKERS[number % 4]
 
 
-def ordered(transcript: Transcript) -> list[str]:
-    """The orders that a transcript is while a mission runs, without a word more; of one who may give each."""
+class Counts(NamedTuple):
+    """Of windows of one kind that are no speech to the robot."""
+
+    windows: int = 0
+    turns: int = 0
+    """With words, whatever they are."""
+    phrases: int = 0
+    """That the window does not have among its words."""
+    read_back: int = 0
+    ordered: int = 0
+    """Without a confirmation."""
+
+    def with_window(self, name: str, spoken: str, found: Iterable[Transcript]) -> Counts:
+        """One window more; what is a phrase is printed."""
+        counts = self._replace(windows=self.windows + 1)
+        for each in found:
+            given, back = consequences(each)
+            is_phrase = each.text in PHRASES and not re.search(rf"\b{each.text}\b", plain_words(spoken))
+            counts = Counts(
+                counts.windows,
+                counts.turns + 1,
+                counts.phrases + is_phrase,
+                counts.read_back + len(back) * is_phrase,
+                counts.ordered + len(given) * is_phrase,
+            )
+            if is_phrase:
+                agree = each.readings.count(each.text)
+                print(f"    {name} became {each.text!r} ({agree} agree): ordered {given}, read back {back}", flush=True)
+        return counts
+
+
+def consequences(transcript: Transcript) -> tuple[list[Any], list[Any]]:
+    """What a transcript orders without a word more, and what is read back, while a mission runs; of one who may all."""
     sentence = Utterance(transcript.text, "operator", "voice", readings=transcript.readings)
-    return [each.name for each in Dialogue(view=RUNNING).on_utterance(sentence, RUNNING) if isinstance(each, Order)]
+    found = tuple(Dialogue(view=RUNNING).on_utterance(sentence, RUNNING))
+    given = [each.name for each in found if isinstance(each, Order)]
+    notes = [each for each in found if isinstance(each, TalkNote) and each.kind == "read_back"]
+    return given, [each.data["order"]["order"] for each in notes]
 
 
 def false_orders(bench: Bench, scale: int) -> None:
-    given = Counter[str]()
-    random, found, count, begun = np.random.default_rng(SEED + 1), list[str](), 0, time.monotonic()
-    for number, (text, speaker) in enumerate(text_windows(100 * scale, random)):
-        sound = mixed(speech(text, speaker), (40, 20, 10)[number % 3], ("white", "pink")[number % 2], random, 0.5)
-        if not FIRST <= number < LAST:
-            continue
-        for each in bench.of(FileSound(sound)):
-            words = plain_words(text)
-            if each.text in PHRASES and not re.search(rf"\b{each.text}\b", words):
-                agree = each.readings.count(each.text)
-                names = ordered(each)
-                given.update(names)
-                found.append(f"{text!r} by {speaker} became {each.text!r} ({agree} agree): {names}")
-                print(f"    {found[-1]}", flush=True)
-        count += 1
-        if count % 100 == 0:
-            print(f"  {len(found)} phrases of {count} windows so far", flush=True)
-    for seed in range(20 * scale):
-        level, kind = (100, 400, 1600)[seed % 3], ("white", "pink")[seed % 2]
-        loud = noise(kind, 3 * RATE_HZ, random) * level
-        if not FIRST <= 100 * scale + seed < LAST:
-            continue
-        texts = [each.text for each in bench.of(FileSound(bytes(loud.clip(-32768, 32767).astype("<i2").tobytes())))]
-        found += [f"{kind} noise became {text!r}" for text in texts if text in PHRASES]
-        count += 1
-    print(f"  {given.total()} orders without a confirmation: {dict(given)}")
-    print(f"  {len(found)} phrases of {count} windows ({time.monotonic() - begun:.0f} s)")
-    print("\n".join(f"    {each}" for each in found))
+    """Read text, noise, and our own voice with reflections: a hundred windows, twenty and thirty times the scale."""
+    counts, random, begun = defaultdict[str, Counts](Counts), np.random.default_rng(SEED + 1), time.monotonic()
+    texts, own = tuple(text_windows(100 * scale, random)), tuple(text_windows(30 * scale, random))
+    own = (*product(OWN, SPEAKERS), *own)
+    rooms = tuple(product((-6.0, -12.0, -20.0), (20.0, 60.0, 120.0, 200.0)))
+    for number in range(FIRST, min(LAST, 150 * scale)):
+        random = np.random.default_rng((SEED, number))
+        place, db, color = number - 120 * scale, (40, 20, 10)[number % 3], ("white", "pink")[number % 2]
+        sound: FileSound | RoomSound
+        if number < 100 * scale:
+            kind, (text, speaker) = "read text", texts[number]
+            name, sound = f"{db} dB {color}", FileSound(mixed(speech(text, speaker), db, color, random, 0.5))
+        elif place < 0:
+            kind, text, speaker, level = "noise", "", "none", (100, 400, 1600)[number % 3]
+            loud = noise(color, 3 * RATE_HZ, random) * level
+            name, sound = color, FileSound(bytes(loud.clip(-32768, 32767).astype("<i2").tobytes()))
+        else:
+            kind, (text, speaker), (echo_db, delay_ms) = "own voice", own[place], rooms[place // 5 % len(rooms)]
+            if place % 5 == 0:
+                bench.new_ear()  # a robot that begins in another room
+            ours = bytes(speech(text, speaker).astype("<i2").tobytes())
+            room = RoomSound(bytes(len(ours) + RATE_HZ), echo_db=echo_db, delay_ms=delay_ms, tail=tail(), seed=number)
+            playing(room, ours)
+            name, sound = f"{echo_db} dB, {delay_ms} ms", room
+        spoken = "" if kind == "own voice" else text
+        counts[kind] = counts[kind].with_window(f"{kind} {text!r} by {speaker}, {name}", spoken, bench.of(sound))
+        if number % 50 == 49:
+            print(f"  {number + 1} after {time.monotonic() - begun:.0f} s: {dict(counts)}", flush=True)
+    for kind, each in counts.items():
+        print(f"  {kind}: {each}")
 
 
 def distance(one: list[str], other: list[str]) -> int:
@@ -336,7 +421,7 @@ def called(_: Bench, scale: int) -> None:
     """Orders in one breath with a wake word, and the word alone, which is no sentence."""
     random = np.random.default_rng(SEED + 7)
     for name in WORDS:
-        bench = Bench(ListenNames(RECOGNISER, wake_word=name))
+        bench = Bench(ListenNames(RECOGNISER, wake_word=name), here=HERE)
         for db in LEVELS:
             counts, alone = Counter[str](), list[str]()
             for phrase, speaker in (*product(("pause the mission", "cancel the mission"), SPEAKERS),) * scale:
@@ -438,16 +523,11 @@ def tail() -> tuple[float, ...]:
 
 
 def echo(bench: Bench, scale: int) -> None:
-    reports = (
-        "The mission has ended. I drove all alleys.",
-        "I am driving to the kitchen.",
-        "Stop. Cancel the mission. Yes.",
-    )
     for room_tail in ((), tail()):
         count, cuts, texts = 0, 0, list[str]()
         for db, delay in product((-6.0, -12.0, -20.0), (20.0, 60.0, 120.0, 200.0)):
             bench.new_ear()
-            for number, text in enumerate(reports * max(1, scale // 2)):
+            for number, text in enumerate(OWN * max(1, scale // 2)):
                 ours = bytes(speech(text, SPEAKERS[number % 4]).astype("<i2").tobytes())
                 room = RoomSound(bytes(len(ours) + RATE_HZ), echo_db=db, delay_ms=delay, tail=room_tail, seed=number)
                 playing(room, ours)
@@ -540,7 +620,7 @@ def main() -> int:
     parser.add_argument("sections", nargs="*", default=list(SECTIONS), help="which ones")
     parser.add_argument("--scale", type=int, default=1, help="how many of each; 10 for a thousand windows")
     given = parser.parse_args()
-    bench = Bench()
+    bench = Bench(here=HERE)
     try:
         for name in given.sections:
             begun = time.monotonic()
