@@ -6,6 +6,7 @@ Rule: every turn that ends has one transcript, with or without words, or one fau
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -37,6 +38,10 @@ WAKE_CUTOFF = 0.65
 have 0.61 at most."""
 AWAKE_S = 8.0
 """How long after the wake word, or after a turn that passed by it, a turn may begin."""
+WORD_LASTS_S = 0.75
+"""From the first frame in which the wake word is sure: how long it may be sure again, as the same word."""
+LEAST_BEHIND_S = 0.24
+"""So long is any word behind the wake word, from that frame on; what is shorter is the end of the wake word."""
 
 
 class ListenSettings(NamedTuple):
@@ -104,6 +109,8 @@ class OpenTurn:
     """Number of an offer → what the recognisers made of it; the last offer counts."""
     settled: set[int] = field(default_factory=set)
     """The offers that count, if they are a phrase that counts at once."""
+    is_called: bool = False
+    """It begins with the wake word."""
     is_given: bool = False
     """A phrase of it was given at once."""
     end: TurnEvent | None = None
@@ -154,8 +161,8 @@ class SpeechListener:
         self._turns: dict[int, OpenTurn] = {}
         self._woken_until = self._passed_until = -1.0
         """Until when a turn may begin after the wake word, and after a turn that passed."""
-        self._is_waking = False
-        """The last frame had the wake word, which lasts some frames."""
+        self._is_waking, self._called_at = False, -math.inf
+        """Whether the last frame had the wake word, which lasts some frames; when the first of them began."""
         self._pending = 0
         self._until = 0.0
         """The end of the last frame."""
@@ -214,12 +221,13 @@ class SpeechListener:
         except (Broken, KeyError, TypeError, ValueError):
             log.warning("the ear sent what is no frame")
             return
-        was_waking, self._is_waking = self._is_waking, wake >= WAKE_CUTOFF
         for event in self._detector.take(TurnFrame(frame.at, speech, clear, quiet)):
             self._turn_event(event)
+        was_waking, self._is_waking = self._is_waking, wake >= WAKE_CUTOFF
         if self._is_waking:
             self._woken_until = frame.at + AWAKE_S
-        if self._is_waking and not was_waking:  # what comes first in the sentence was for others, or is the word itself
+        if self._is_waking and not was_waking and frame.at - self._called_at > WORD_LASTS_S:
+            self._called_at = frame.at  # what is before was for others, or is the word itself
             for event in self._detector.begin_again():
                 self._turn_event(event)
 
@@ -229,8 +237,9 @@ class SpeechListener:
 
     def _turn_event(self, event: TurnEvent) -> None:
         if event.kind == "began":
+            is_called = event.number in self._turns
             turn = self._turns.setdefault(event.number, OpenTurn(event.at))
-            turn.began = event.at
+            turn.began, turn.is_called = event.at, is_called
         elif event.kind == "present":
             self._on_present(event.at)
         elif event.kind == "offered":
@@ -249,6 +258,9 @@ class SpeechListener:
     def _transcribe(self, event: TurnEvent) -> None:
         offer = TurnOffer(event.number, event.offer)
         turn = self._turns[event.number]
+        if turn.is_called and event.spoken_until - turn.began < LEAST_BEHIND_S - 1e-6:
+            turn.replies[event.offer] = OfferReplies(SpeechReply(), SpeechReply())
+            return
         spoken_s = event.spoken_until - turn.began + self._settings.turns.begin_frames * FRAME_S
         second = None if "second" in self._offers else SpeechReply()
         turn.replies[event.offer] = OfferReplies(second=second, spoken_s=spoken_s)

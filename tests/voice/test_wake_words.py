@@ -98,11 +98,23 @@ def test_what_follows_a_wake_word_within_8_s_counts_and_what_follows_that(scene:
 
 
 @pytest.mark.parametrize("before", ["nab", "cancelnab", "stopsignsnab"])
-def test_a_wake_word_within_a_sentence_begins_it(scene: Scene, before: str) -> None:
-    """The word lasts some frames, of which the first is the one that counts."""
-    assert scene.texts(*letters(f"{before}UUuhello"), *PAUSE) == ["uuuhello"]
+@pytest.mark.parametrize("word", ["UUu", "UuuU"])
+def test_a_wake_word_within_a_sentence_begins_it(scene: Scene, before: str, word: str) -> None:
+    """The word is sure in some frames, also with others between, of which the first is the one that counts."""
+    assert scene.texts(*letters(f"{before}{word}helloyou"), *PAUSE) == [f"{word.lower()}helloyou"]
     assert scene.found[0].began == pytest.approx((len(before) + 1) * FRAME_S), "the person addressed the robot then"
 
 
 def test_a_pause_before_the_wake_word_leaves_nothing_of_the_words_before(scene: Scene) -> None:
-    assert scene.texts(*letters("cancel"), *[QUIET] * 6, *letters("nabUhello"), *PAUSE) == ["uhello"]
+    assert scene.texts(*letters("cancel"), *[QUIET] * 6, *letters("nabUhelloyou"), *PAUSE) == ["uhelloyou"]
+
+
+@pytest.mark.parametrize("end", ["", "uuu", "uuuuuuu"])
+def test_a_wake_word_alone_is_no_sentence(scene: Scene, end: str) -> None:
+    """It may be sure before its end, which is speech as well: shorter than any word behind it."""
+    assert scene.texts(*letters(f"nabU{end}"), *PAUSE, *letters("hello"), *PAUSE) == ["", "hello"]
+    assert scene.found[0].readings == ()
+
+
+def test_a_wake_word_that_is_spoken_again_begins_the_sentence_again(scene: Scene) -> None:
+    assert scene.texts(*letters("nabU"), *letters("cancel" * 4), *letters("nabUhelloyou"), *PAUSE) == ["uhelloyou"]
