@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Any, Literal, get_args
@@ -21,9 +20,9 @@ from rai_missions.agents.talk.doors import TalkDoor, TalkDoors, TalkLine
 from rai_missions.agents.talk.journal import NoteSink
 from rai_missions.agents.talk.model import TalkModel
 from rai_missions.agents.talk.orders import OnOrderEnd
-from rai_missions.agents.talk.pace import DoorPace
+from rai_missions.agents.talk.reception import Reception
 from rai_missions.agents.talk.run_status import RobotWords
-from rai_missions.connectors.worker import Work, Worker
+from rai_missions.connectors.worker import Worker
 from rai_missions.conversation import (
     AskModel,
     Dialogue,
@@ -44,12 +43,10 @@ from rai_missions.conversation.grammar import Grammar
 from rai_missions.conversation.inputs import OrderResult, SpeechResult
 from rai_missions.conversation.language import language
 from rai_missions.conversation.likeness import Likeness, WordLikeness
-from rai_missions.conversation.senses import STOP
 from rai_missions.embodiment.library import Library
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError, raised_text, suggestion
 from rai_missions.event import Role
-from rai_missions.planning.text.normalise import LONGEST
 from rai_missions.redaction import cut, logger, redacted, shown
 from rai_missions.runtime.lifecycle import Status
 from rai_missions.runtime.runner import Runner
@@ -59,10 +56,6 @@ __all__ = ("ConversationalAgent", "StartRun")
 log = logger(__name__)
 LONGEST_NAME = 200
 """Characters of an author's name that are kept."""
-LONGEST_STOP = 200
-"""Characters of a sentence that may be an order to stop."""
-MOST_WAITING = 64
-"""Sentences that may wait for their turn."""
 SETTINGS, NO_ROBOT, WORDS = Settings(), RobotWords(), WordLikeness()
 ROLES = get_args(Role)
 StartRun = Callable[[Order, OnOrderEnd], None]
@@ -110,17 +103,13 @@ class ConversationalAgent:
         self._now = now or (lambda: time.monotonic() - began)
         self._opened_at = self._now()
         self._dialogue = Dialogue(self._settings, StatusView(), likeness)
-        self._grammar = Grammar(language(settings.language))
         self._worker = Worker("conversation", on_error=self._failed)
+        self.reception = Reception(self._worker, Grammar(language(settings.language)))
+        """Where sentences wait for their turn."""
         self._attached: AttachedRun | None = None
         self._lines: dict[str, TalkLine] = {}
         """Speech's key → its line, until it has ended."""
-        self._received: deque[Work] = deque()
-        """What is done in its turn: one piece, then all else that was posted meanwhile, then the next."""
-        self._count = self._waiting = 0
-        self._pace, self._stops, self._looks = DoorPace(), DoorPace(), DoorPace()
-        """Of sentences, of plain stops, and of looks for a stop in what else comes in a flood, which take milliseconds.
-        """
+        self._count = 0
         self._lock = threading.Lock()
         self._is_news = False
         self._is_open = True
@@ -151,7 +140,7 @@ class ConversationalAgent:
     def health(self) -> AgentHealth:
         """Whether it takes sentences, which doors are open, and what is wrong with one; the model fails elsewhere."""
         state: Literal["ready", "running", "stopped"] = "running" if self._worker.is_alive else self._idle
-        values = {"doors open": ", ".join(self._doors.open) or "none", "sentences waiting": str(self._waiting)}
+        values = {"doors open": ", ".join(self._doors.open) or "none", "sentences waiting": str(self.reception.waiting)}
         return AgentHealth(state, self._doors.fault if state == "running" else "", values)
 
     @property
@@ -253,60 +242,20 @@ class ConversationalAgent:
             raise UsageError(f"no role {shown(role)}{suggestion(str(role), ROLES)}")
         if not isinstance(text, str):
             raise UsageError(f"a sentence is a text, not {shown(text)}")
-        if len(text) > LONGEST:  # no rule reads the rest
-            return f"a sentence has at most {LONGEST} characters, not {len(text)}"
-        if not text.strip():
-            return "there is no text in it"
-        door = f"{channel} {role}"
-        if not self._may_come(text, door):
-            return "too many sentences at once; wait a moment"
-        with self._lock:
-            if self._waiting >= MOST_WAITING and not self.is_stop(text):
-                return f"{MOST_WAITING} sentences wait already; speak again in a moment"
-            self._waiting += 1
+        if why := self.reception.refuses(text, f"{channel} {role}"):
+            return why
         words, at = tuple(map(redacted, readings)), max(self._opened_at, self._now() - max(waited_s, age_s))
         sentence = Utterance(redacted(text), role, channel, cut(author, LONGEST_NAME), at, words, message_id, age_s)
-        if self.after_all(partial(self._take, sentence)):
-            return ""
-        with self._lock:
-            self._waiting -= 1
-        return "the conversation has ended"
-
-    def _may_come(self, text: str, door: str) -> bool:
-        """Whether the door has not had too many sentences; what else comes uses up nothing of a stop."""
-        if self._pace.take(door):
-            return True
-        if len(text) <= LONGEST_STOP and self._grammar.is_plain_stop(text):
-            return self._stops.take(door)
-        return self._looks.take(door) and self.is_stop(text)
-
-    def is_stop(self, text: str) -> bool:
-        """Whether a sentence orders to stop, by the grammar alone; from any thread."""
-        return len(text) <= LONGEST_STOP and STOP in self._grammar.senses(text, StatusView())
+        return "" if self.reception.take(partial(self._take, sentence)) else "the conversation has ended"
 
     def doors_changed(self) -> None:
         """A door has opened or shut; from any thread."""
         self._worker.post(self._look_at_doors)
 
-    def after_all(self, do: Callable[[], object]) -> bool:
-        """Do something on the conversation's thread once all that was received so far is answered; from any thread.
-
-        Nothing else waits for that: however many persons talk on, the end of a speech and that of the run come next.
-
-        Returns:
-            False where the conversation has ended, and so it is not done.
-        """
-        with self._lock:
-            self._received.append(do)
-            is_taken = len(self._received) > 1 or self._worker.post(self._take_turn)
-            if not is_taken:
-                self._received.clear()
-        return is_taken
-
     def wait_answered(self, within_s: float) -> None:
         """Wait until what was received so far is answered, or given to a model; not on its own thread."""
         done, until = threading.Event(), time.monotonic() + within_s
-        if self.after_all(done.set) and done.wait(within_s):
+        if self.reception.after_all(done.set) and done.wait(within_s):
             self._is_looked_up.wait(max(0.0, until - time.monotonic()))
 
     def add_door(self, door: TalkDoor) -> None:
@@ -319,19 +268,7 @@ class ConversationalAgent:
         """Have the dialogue handle something in its turn; from any thread."""
         self._worker.post(lambda: self._perform(handle()))
 
-    def _take_turn(self) -> None:
-        try:
-            self._received[0]()
-        finally:
-            with self._lock:
-                self._received.popleft()
-                is_more = bool(self._received)
-            if is_more and not self._worker.post(self._take_turn):
-                self._take_turn()  # it is closed: what waits is done before it ends
-
     def _take(self, sentence: Utterance) -> None:
-        with self._lock:
-            self._waiting -= 1
         self._show(
             TalkLine(self._next(), sentence.role, sentence.text, sentence.author, sentence.channel, at=sentence.at)
         )

@@ -135,7 +135,7 @@ class TalkSession:
             connector.start()
             prepared.closing.closes(connector.stop)
         hri = HRIConnector(connector)
-        door = HRIDoor(hri, self._name, below=self._policy.hri_below, is_stop=self._agent.is_stop)
+        door = HRIDoor(hri, self._name, below=self._policy.hri_below, is_stop=self._agent.reception.is_stop)
         self._has_doors = True
         self._agent.add_door(door)
         self._closing.callback(door.close)
@@ -164,8 +164,8 @@ class TalkSession:
         """Nothing more is typed; where there is no other door, a run that waits for an order ends."""
         self._is_typed_at = False
         if not self._is_reachable:
-            self._agent.after_all(self._runs.give_up)
-            self._agent.after_all(self._agent.decide_nothing)
+            self._agent.reception.after_all(self._runs.give_up)
+            self._agent.reception.after_all(self._agent.decide_nothing)
 
     def receive(self, text: str, author: str, role: Role) -> str:
         """A sentence that is written on the page, whose token has a role."""
@@ -173,7 +173,7 @@ class TalkSession:
 
     def is_stop(self, text: str) -> bool:
         """Whether it is an order to stop."""
-        return self._agent.is_stop(text)
+        return self._agent.reception.is_stop(text)
 
     @cached_property
     def ear(self) -> PageEar:

@@ -14,12 +14,13 @@ from langchain_core.tools import StructuredTool
 
 from rai_missions.agents.agent import AgentHealth
 from rai_missions.agents.contract import check_agent
-from rai_missions.agents.conversation import MOST_WAITING, ConversationalAgent
+from rai_missions.agents.conversation import ConversationalAgent
 from rai_missions.agents.talk.doors import OnSpoken, TalkLine, TextDoor
 from rai_missions.agents.talk.happenings import happenings
 from rai_missions.agents.talk.hri_door import HRIDoor
 from rai_missions.agents.talk.model import MOST_AT_ONCE, MOST_LOOKS, TalkModel
 from rai_missions.agents.talk.orders import refusal_kind
+from rai_missions.agents.talk.reception import MOST_WAITING
 from rai_missions.agents.talk.run_status import RunStatus
 from rai_missions.connectors.hri.connector import FROM_HUMAN, TO_HUMAN, HRIConnector
 from rai_missions.connectors.hri.message import HRIMessage
@@ -624,11 +625,11 @@ def test_the_end_has_been_reported_before_all_earlier_sentences_are_answered() -
     with talked() as talk:
         running(talk)
         begin, resumed = threading.Event(), threading.Event()
-        talk.agent.after_all(begin.wait)
+        talk.agent.reception.after_all(begin.wait)
         for number in range(20):
             talk.order(f"how far are you, {number}?")
             if number == 9:
-                talk.agent.after_all(resumed.wait)
+                talk.agent.reception.after_all(resumed.wait)
         talk.rig.post("go")
         talk.end()
         begin.set()
