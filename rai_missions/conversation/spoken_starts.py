@@ -51,10 +51,19 @@ class SpokenStarts:
             if has_all and all(given[name] == each for name, each in arguments.items()):
                 slots = [keys.get(name, KeyView(name, "string")) for name in named]
                 if all(key.type in IN_WORDS for key in slots):
-                    words = {key.name: self._value(given[key.name], key) for key in slots}
-                    return SLOT.sub(lambda found, words=words: words[found[1]], text)  # type: ignore[misc]
+                    parts = SLOT.split(text)  # texts at the even places, slots at the odd ones
+                    for place, key in enumerate(slots):
+                        parts[2 * place + 1] = self._value(given[key.name], key, before=parts[2 * place + 2])
+                    return "".join(parts)
         return ""
 
-    def _value(self, value: Any, key: KeyView) -> str:
-        named = (spoken(words) for words, meant in self._names.get(key.name, {}).items() if meant == value)
-        return next(named, "") or value_words(value, key, self._language)
+    def _value(self, value: Any, key: KeyView, before: str) -> str:
+        """A value in words, without its unit before a text that begins with it."""
+        named = (spoken(each) for each, meant in self._names.get(key.name, {}).items() if meant == value)
+        unit, text = self._language.unit_of(key.name), before.lstrip()
+        is_written = any(
+            size == 1 and text.startswith(word) and not text[len(word) :][:1].isalnum()
+            for word, size in self._language.factors(unit).items()
+        )
+        words = next(named, "") or value_words(value, key, self._language)
+        return words.removesuffix(f" {unit}") if is_written else words

@@ -8,7 +8,14 @@ root.
 from rai_missions.profile.connector_faults import connector_faults, field_faults, middleware_faults
 from rai_missions.profile.conversation import GRANTED, ORDERS, ConversationPolicy, OrderName
 from rai_missions.profile.convert import plain
-from rai_missions.profile.coverage import actions_of, commanded_names, missing, missing_tools, missing_world
+from rai_missions.profile.coverage import (
+    actions_of,
+    commanded_names,
+    keys_read,
+    missing,
+    missing_tools,
+    missing_world,
+)
 from rai_missions.profile.endpoints import Endpoint, endpoints, lacking, wanted
 from rai_missions.profile.entries import ActionEntry, ServiceEntry, TopicEntry
 from rai_missions.profile.files import (
@@ -49,6 +56,7 @@ __all__ = (
     "field_faults",
     "identity_folder",
     "is_program",
+    "keys_read",
     "lacking",
     "legible_profile",
     "load_profile",

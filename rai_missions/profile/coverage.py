@@ -22,7 +22,7 @@ from rai_missions.profile.receivers import SENT_WORDS, receiver_of
 from rai_missions.states.decision import Option
 from rai_missions.states.effects import Raise
 
-__all__ = ("actions_of", "commanded_names", "missing", "missing_tools", "missing_world")
+__all__ = ("actions_of", "commanded_names", "keys_read", "missing", "missing_tools", "missing_world")
 
 FITTING: Mapping[str, frozenset[str]] = {"integer": frozenset({"integer", "number"})}
 """What a source gives → the types of the keys that can take it, where that is more than its own."""
@@ -93,6 +93,17 @@ def commanded_names(mission: Mission, robot: Robot) -> frozenset[str]:
         elif use.sort == "topic" and (topic := robot.topics.get(use.name)) is not None:
             found.add(topic.topic)
     return frozenset(found - {""})
+
+
+def keys_read(mission: Mission, robot: Robot) -> frozenset[str]:
+    """The keys that the profile itself looks at, and of a robot that talks each that it writes: people ask for any."""
+    site = Site("", mission.blackboard)
+    ends = (guard for action in robot.actions.values() for guard in (action.succeeded, action.failed))
+    whens = (rule.when for rules in robot.rules.values() for rule in rules)
+    for guard in (*ends, *whens):
+        if guard is not None:
+            guard.compiled(site)
+    return frozenset(site.reads).union(robot.blackboard if robot.conversation is not None else ())
 
 
 def _lacks(sort: str, name: str, known: Mapping[str, Any], place: str, remedies: Mapping[str, str] = {}) -> Fault:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from rai_missions.cli.command import GuardsFile, MissionFile, RobotFile, command
@@ -55,15 +55,16 @@ def check(
 
     named = load_guards(guards, python=not no_python)
     checked = check_file(mission, python=not no_python, named=named)
-    profile, lacking = "", tuple[FileFinding, ...]()
+    profile, lacking, read = "", tuple[FileFinding, ...](), frozenset[str]()
     if is_robot_program(robot) and robot is not None:
         file_bytes(Path(robot))  # it must be there
         warn(
             f"{robot}: whether it covers the mission was not checked: check executes no robot, and run checks it first"
         )
     elif robot:
-        profile, lacking = _checked_profile(robot, checked.mission)
-    found = sorted([*checked.findings, *lacking], key=lambda each: each.finding.severity != "error")
+        profile, lacking, read = _checked_profile(robot, checked.mission)
+    own = _without_read_keys(checked.findings, mission, read)
+    found = sorted([*own, *lacking], key=lambda each: each.finding.severity != "error")
     if json:
         print(dumps([{"file": file, **finding._asdict()} for file, finding in found]))
     else:
@@ -73,14 +74,25 @@ def check(
     return exit_status((each.finding for each in found), strict=strict)
 
 
-def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[FileFinding, ...]]:
-    """A profile's name, that of its file where it has none, and what is wrong with it or lacks in it."""
+def _without_read_keys(found: Iterable[FileFinding], mission: str, read: Iterable[str]) -> Iterator[FileFinding]:
+    """What was found in a mission, without the keys that nothing but the profile reads."""
+    from rai_missions.errors import pointer
+
+    places = {pointer(["blackboard", name]) for name in read}
+    for each in found:
+        if each.finding.rule != "unused-key" or each.file != mission or each.finding.place not in places:
+            yield each
+
+
+def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[FileFinding, ...], frozenset[str]]:
+    """A profile's name, or that of its file, what is wrong with it or lacks in it, and the keys that it reads."""
     from rai_missions.agents.talk.settings import conversation_faults, conversation_oddities
     from rai_missions.check import FileFinding, Finding
     from rai_missions.errors import DefinitionError, Fault
     from rai_missions.profile import (  # slow
         connector_faults,
         field_faults,
+        keys_read,
         load_whole_profile,
         missing,
         missing_tools,
@@ -90,7 +102,8 @@ def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[Fil
     try:
         profile = load_whole_profile(path, mission)
     except DefinitionError as error:
-        return path, tuple(FileFinding(error.source or path, Finding.of(each)) for each in error.faults)
+        faults = tuple(FileFinding(error.source or path, Finding.of(each)) for each in error.faults)
+        return path, faults, frozenset()
     names = missing(mission, profile) if mission is not None else ()
     over = tuple(connector_faults(profile)) or field_faults(mission, profile)
     lacking = (*over, *names, *conversation_faults(profile, mission))
@@ -100,7 +113,8 @@ def _checked_profile(path: str, mission: Mission | None) -> tuple[str, tuple[Fil
         odd += conversation_oddities(profile, mission)
     errors = tuple(FileFinding(each.file or path, Finding.of(each)) for each in lacking)
     warnings = tuple(FileFinding(path, Finding(each.place, each.sentence, "warning")) for each in odd)
-    return profile.name or path, errors + warnings
+    read = keys_read(mission, profile) if mission is not None else frozenset[str]()
+    return profile.name or path, errors + warnings, read
 
 
 def _summary(path: str, checked: CheckedFile, profile: str, found: Sequence[FileFinding]) -> str:

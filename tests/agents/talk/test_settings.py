@@ -120,6 +120,29 @@ def test_an_argument_that_resembles_one_of_the_mission_is_warned_of(words: dict[
     ]
 
 
+@pytest.mark.parametrize(
+    ("words", "is_used"),
+    [
+        ({}, False),
+        ({"conversation": {}}, True),
+        ({"rules": {"over": [{"when": {"key": "seen.text", "==": "cup"}, "answer": "go"}]}}, True),
+        ({"actions": {"look": {"start": "/look", "succeeded": {"fresh": "seen"}}}}, True),
+    ],
+    ids=["nothing", "people", "rules", "action"],
+)
+def test_a_fact_that_the_profile_reads_or_people_may_ask_for_is_used(
+    words: dict[str, Any], is_used: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mission, robot = tmp_path / "mission.json", tmp_path / "robot.json"
+    mission.write_text(json.dumps(MISSION))
+    source = {"seen": {"topic": "/seen", "type": "std_msgs/msg/String", "json": True}}
+    robot.write_text(json.dumps({"format": 1, "name": "bench", "blackboard": source} | words))
+    main(["check", str(mission), "--robot", str(robot)])
+    printed = capsys.readouterr().err
+    assert ("/blackboard/seen: warning: nothing uses 'seen'" in printed) is not is_used
+    assert "/blackboard/task: warning: nothing uses 'task'" in printed, "an argument is no fact of the robot"
+
+
 def test_a_place_for_topics_that_are_not_opened_is_warned_of() -> None:
     robot = Robot(name="bench", conversation=ConversationPolicy(hri_below="/alpha"))
     (odd,) = conversation_oddities(robot, Mission.model_validate(MISSION))
