@@ -185,6 +185,9 @@ class StateAnswers:
     def _steps(self, view: StatusView) -> list[str]:
         made = list[str]()
         for each in view.progress:
+            if each.done is None:
+                made.append(key_sentence(each.of, view.keys, self.language))
+                continue
             numbers = {"done": f"{each.done:g}", "total": f"{each.total:g}"}
             made.append(self.language.text("progress", of=capital(self.language.name_of(each.of)), **numbers))
         return made

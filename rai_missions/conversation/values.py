@@ -61,7 +61,7 @@ def value_words(value: Any, key: KeyView, language: Language, *, field: str = ""
     if key.type == "pose" and isinstance(value, Mapping):
         return _pose(value, key, language)
     if isinstance(value, bool) or value is None:
-        return language.text({True: "true", False: "false", None: "nothing"}[value])
+        return language.text({True: "true", False: "false", None: "missing"}[value])
     if is_number(value):
         return _number(float(value), unit, language) + (f" {unit}" if unit else "")
     if isinstance(value, Mapping):
@@ -69,7 +69,7 @@ def value_words(value: Any, key: KeyView, language: Language, *, field: str = ""
         return language.listed(parts) or language.text("empty")
     if isinstance(value, list | tuple):
         return _names(value, language) or language.text("items" if value else "nothing", count=len(value))
-    return cut(str(value), longest)
+    return cut(str(value), longest) or language.text("empty")
 
 
 def _number(value: float, unit: str, language: Language) -> str:

@@ -60,7 +60,8 @@ class ProgressView(NamedTuple):
 
     of: str
     """The key that is counted, by name, or the list that is worked through."""
-    done: float
+    done: float | None
+    """None: the count was never received, or is stale."""
     total: float
     about: str = ""
     """The mission's sentence about that key."""

@@ -166,6 +166,7 @@ class RunStatus:
         questions = tuple(each for each in reported.questions if can_ask and each.asked == "operator")
         active = status.active
         state = _named(active, self._acting)
+        keys = {name: key_view(name, key, board, now) for name, key in mission.blackboard.items()}
         return StatusView(
             at=now,
             run=self._runner.run_id,
@@ -187,7 +188,7 @@ class RunStatus:
             open_goals=tuple(dict.fromkeys(goal.action for goal in status.open_goals)),
             questions=questions,
             confirm=frozenset(one for each in questions for one in _confirmed(mission, each)),
-            keys={name: key_view(name, key, board, now) for name, key in mission.blackboard.items()},
+            keys=keys,
             states=self._abouts,
             events=self._events,
             mission=mission.name,
@@ -196,7 +197,7 @@ class RunStatus:
             identity=self._robot.identity,
             build=self._robot.build,
             missions=self._missions,
-            progress=tuple(progress(mission, frozenset(active), board, reported.rounds)),
+            progress=tuple(progress(mission, frozenset(active), keys, reported.rounds)),
             happened=reported.happened,
             since=reported.entered.get(state),
             mode_by=reported.mode_by,
