@@ -24,7 +24,7 @@ from tests.browser.conftest import PATIENCE, Look, until
 from tests.browser.test_review import poisoned
 from tests.engine.test_goals import mission as stacking
 from tests.strategies import SIGHTS
-from tests.visualize.live.conftest import Desk
+from tests.visualize.live.conftest import OrderBox
 from tests.visualize.live.stage import Run
 from tests.visualize.page.reading import HOSTILE, answered, journal_of
 from tests.visualize.runs import ROOT, tractor
@@ -142,8 +142,8 @@ def test_a_page_that_receives_nothing_states_it_and_its_ages_run_on(run: Run, lo
 
 
 def test_an_order_reports_at_once_that_it_is_sent_and_then_what_became_of_it(look: Look) -> None:
-    desk = Desk()
-    with Run(tractor(), desk) as run:
+    sink = OrderBox()
+    with Run(tractor(), sink) as run:
         run.start()
         window = look(run.page)
         window.wait_for_selector("[data-act=pause]:not(:disabled)")
@@ -155,7 +155,7 @@ def test_an_order_reports_at_once_that_it_is_sent_and_then_what_became_of_it(loo
             window.evaluate("live.acts.order({ command: 'pause' })")
             window.wait_for_selector("#notice.alarm:has-text('pause: NO ANSWER')")
         until(window, f"{reported}.className === 'good' && {reported}.textContent.startsWith('e-stop: done')")
-        assert [json.loads(text)["command"] for text in desk.orders if "pause" not in text] == ["e_stop"]
+        assert [json.loads(text)["command"] for text in sink.orders if "pause" not in text] == ["e_stop"]
         run.page.stop()
         window.evaluate("live.acts.order({ command: 'e_stop' })")
         window.wait_for_selector("#notice.alarm:has-text('e-stop: not delivered')")
@@ -163,7 +163,7 @@ def test_an_order_reports_at_once_that_it_is_sent_and_then_what_became_of_it(loo
 
 def test_a_state_that_waits_for_control_states_it_and_the_way_out_is_a_button(look: Look) -> None:
     pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
-    with Run(tractor(), Desk()) as run:
+    with Run(tractor(), OrderBox()) as run:
         run.write("battery", 0.8)
         run.start()
         window = look(run.page)
@@ -179,7 +179,7 @@ def test_a_state_that_waits_for_control_states_it_and_the_way_out_is_a_button(lo
 
 def test_an_option_whose_guard_falls_is_greyed_with_its_reason_and_comes_back(look: Look) -> None:
     pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
-    with Run(tractor(), Desk(), {"answers": True}) as run:
+    with Run(tractor(), OrderBox(), {"answers": True}) as run:
         run.write("battery", 0.8)
         run.start()
         run.write("obstacle", {"kind": "branch", "distance_m": 2.0, "height_m": 0.1, "living": False})
@@ -199,7 +199,7 @@ def test_an_option_whose_guard_falls_is_greyed_with_its_reason_and_comes_back(lo
         assert window.get_attribute("[data-question] [data-option=replan]", "aria-disabled") == "false"
         window.focus(button)
         window.keyboard.press("Enter")
-        assert run.desk.orders == [], "the keyboard keeps its place on it, and it does nothing"
+        assert run.sink.orders == [], "the keyboard keeps its place on it, and it does nothing"
         run.closed = {}
         until(window, f"{shut} === 'false'")
         assert window.is_hidden(f"{button} ~ .reason")
@@ -248,7 +248,7 @@ def test_what_has_changed_since_a_question_was_asked_is_marked_once(run: Run, lo
 
 
 def test_after_the_end_nothing_looks_as_if_it_continued(look: Look) -> None:
-    with Run(tractor(), Desk()) as run:
+    with Run(tractor(), OrderBox()) as run:
         run.write("battery", 0.8)
         run.start()
         window = look(run.page)

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from rai_missions.cli.play.page import SessionDesk
+from rai_missions.cli.play.page import ShownPlay
 from rai_missions.cli.play.session import PlayFiles, PlaySession
 from rai_missions.journal import read
 from rai_missions.mission.files import load
@@ -31,7 +31,7 @@ WITHIN_S = 1.0
 def served(session: PlaySession) -> Iterator[LivePage]:
     pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
     page = LivePage(PageAddress(port=0))
-    page.start_play(session.play.mission, SessionDesk(session))
+    page.start_play(session.play.mission, ShownPlay(session))
     try:
         yield page
     finally:

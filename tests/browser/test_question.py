@@ -10,7 +10,7 @@ import pytest
 
 from tests.browser.conftest import Look, assert_accessible, until
 from tests.browser.test_live import CUT, ask, see
-from tests.visualize.live.conftest import Desk
+from tests.visualize.live.conftest import OrderBox
 from tests.visualize.live.stage import Run
 from tests.visualize.runs import tractor
 
@@ -56,7 +56,7 @@ SEEN = """(name) => {
 def asked() -> Iterator[Run]:
     """A run whose questions the page may answer."""
     pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
-    with Run(tractor(), Desk(), FACTS) as made:
+    with Run(tractor(), OrderBox(), FACTS) as made:
         made.write("battery", 0.8)
         made.start()
         yield made
@@ -117,8 +117,8 @@ def test_many_long_answers_with_fields_stay_in_view_on_a_phone_and_are_given_by_
     schema = {"type": "object", "properties": {"alley": {"type": "integer"}}, "required": ["alley"]}
     decision["options"]["replan"]["parameters"] = schema
     mission["states"]["assessing"]["transitions"] += [{"on": name, "to": "aborted"} for name in more]
-    desk = Desk()
-    with Run(type(tractor()).model_validate(mission), desk, FACTS) as run:
+    sink = OrderBox()
+    with Run(type(tractor()).model_validate(mission), sink, FACTS) as run:
         run.write("battery", 0.8)
         run.start()
         window = look(run.page, viewport=PHONE)
@@ -137,7 +137,7 @@ def test_many_long_answers_with_fields_stay_in_view_on_a_phone_and_are_given_by_
         window.keyboard.type("4")
         window.keyboard.press("Enter")
         until(window, "document.querySelector('#notice').textContent.includes('done')")
-        assert [json.loads(text)["parameters"] for text in desk.orders] == [{"alley": 4}]
+        assert [json.loads(text)["parameters"] for text in sink.orders] == [{"alley": 4}]
         run.send("pause", "command", after_s=0.1, by="operator " + "with a long name " * 6)
         window.keyboard.press("Escape")
         window.focus("[data-option=replan]")
@@ -185,7 +185,7 @@ def test_paused_stopped_and_ended_stay_in_view_with_their_reason_also_for_who_co
         assert "Paused by operator Anna (page) at 1.5 s" in " ".join(each.inner_text("#state").split())
     window.click("#state [data-act=resume-here]")
     until(window, "document.querySelector('#notice').textContent.startsWith('resume: done')")
-    assert [json.loads(text)["command"] for text in asked.desk.orders] == ["resume"]
+    assert [json.loads(text)["command"] for text in asked.sink.orders] == ["resume"]
     asked.send("resume", "command", after_s=0.5)
     window.wait_for_selector("#state", state="hidden")
     asked.send("kill", "command", after_s=0.5, by="operator Anna (page)")
@@ -218,7 +218,7 @@ def test_questions_and_ends_are_read_aloud_once_and_answered_by_keys_alone(asked
     window.keyboard.press("Tab")
     window.keyboard.press("Enter")
     until(window, "document.querySelector('#notice').textContent.startsWith('answer')")
-    order = json.loads(asked.desk.orders[0])
+    order = json.loads(asked.sink.orders[0])
     assert (order["command"], order["option"]) == ("answer", "replan")
     asked.send("operator", "proposal", order["question"], after_s=0.1, option="replan", by="operator")
     window.wait_for_selector(".question", state="detached")
@@ -236,7 +236,7 @@ def test_a_person_who_listens_is_reminded_once_and_an_end_by_rule_states_its_rul
     pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
     mission = tractor().written()
     mission["states"]["assessing"]["decision"]["deadline_s"] = 90
-    with Run(type(tractor()).model_validate(mission), Desk(), FACTS) as run:
+    with Run(type(tractor()).model_validate(mission), OrderBox(), FACTS) as run:
         run.write("battery", 0.8)
         run.start()
         window = look(run.page)
@@ -289,7 +289,7 @@ def test_every_part_of_the_page_is_reached_by_keys(asked: Run, look: Look) -> No
     assert_accessible(window)
     window.keyboard.press("Escape")
     assert window.is_hidden("#keys")
-    assert asked.desk.orders == [], "no key orders anything"
+    assert asked.sink.orders == [], "no key orders anything"
 
 
 @pytest.mark.parametrize("holder", ["autonomy", "operator"])
@@ -326,5 +326,5 @@ def test_a_run_that_follows_asks_another_question_under_the_same_number(asked: R
     until(window, "!document.querySelector('[data-option=replan]').matches('[aria-disabled=true]')")
     window.click("[data-option=replan]")
     until(window, "document.body.textContent.includes('done')")
-    order = json.loads(asked.desk.orders[-1])
+    order = json.loads(asked.sink.orders[-1])
     assert (str(order["question"]), order["run"], order["option"]) == (number, "second", "replan")

@@ -6,13 +6,21 @@ Rule: the engine waits for no one. It leaves its steps in a queue; what a viewer
 Imports `engine`, `journal`, `mission` and `states`, and the modules of the root.
 """
 
-from visualize.live.app import CommandSink
+from visualize.live.app import OrderSink
 from visualize.live.feed import Feed, FollowedRun, RunFeed
 from visualize.live.journal_feed import JournalFeed
 from visualize.live.scene import RunScene
 from visualize.live.server import LivePage, PageAddress
-from visualize.live.talk import TalkDesk
+from visualize.live.talk import TalkSink
 
 __all__ = (
-    "CommandSink", "Feed", "FollowedRun", "JournalFeed", "LivePage", "PageAddress", "RunFeed", "RunScene", "TalkDesk",
+    "Feed",
+    "FollowedRun",
+    "JournalFeed",
+    "LivePage",
+    "OrderSink",
+    "PageAddress",
+    "RunFeed",
+    "RunScene",
+    "TalkSink",
 )  # fmt: skip

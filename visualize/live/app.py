@@ -30,11 +30,11 @@ from visualize.live.images import ImageStream
 from visualize.live.page_files import PageFiles
 from visualize.live.posts import LARGEST_ORDER, PostRefusal, body_of, refused
 from visualize.live.sound import SoundPages
-from visualize.live.talk import TalkDesk, TalkPages
+from visualize.live.talk import TalkPages, TalkSink
 from visualize.page.as_json import Json
 from visualize.page.chart_data import chart_data
 
-__all__ = ("CommandSink", "application")
+__all__ = ("OrderSink", "application")
 
 PATIENCE_S = 1.5
 """How long an order's reply waits for the run to take it; a page waits for 2 s."""
@@ -54,7 +54,7 @@ SCRIPTS = (
 FILES = PageFiles("live.html", SCRIPTS, ("live.css",), worklet="microphone.js")
 
 
-class CommandSink(Protocol):
+class OrderSink(Protocol):
     """Takes the operator's orders."""
 
     def submit(self, text: str, on_reply: Callable[[bool, str], None]) -> None:
@@ -100,15 +100,15 @@ class Pages:
     Args:
         mission: Whose run is shown.
         hub: Its viewers.
-        desk: Who takes orders; None: the page may look and do nothing.
+        sink: Who takes orders; None: the page may look and do nothing.
         about: What the page shows of the run next to what happens: `run`, `journal`, `answers`, `played`.
     """
 
-    def __init__(self, mission: Mission, hub: Hub, desk: CommandSink | None, about: Json) -> None:
-        self._hub, self._desk = hub, desk
+    def __init__(self, mission: Mission, hub: Hub, sink: OrderSink | None, about: Json) -> None:
+        self._hub, self._sink = hub, sink
         self._mission = {
             "chart": chart_data(picture(mission), mission),
-            "acts": desk is not None,
+            "acts": sink is not None,
             "holders": dict(CONTROLLERS),
             **about,
         }
@@ -150,7 +150,7 @@ class Pages:
         return Response(data, media_type=kind) if kind else refused(404, data.decode("utf-8", "replace"))
 
     async def orders(self, request: Request) -> Response:
-        if self._desk is None:
+        if self._sink is None:
             return refused(403, "this page only looks on; orders go to the page that the run itself serves")
         body = await body_of(request, LARGEST_ORDER, "an order")
         if isinstance(body, PostRefusal):
@@ -162,9 +162,9 @@ class Pages:
             return refused(429, "too many orders at once; wait a second")
         if command not in ALWAYS and (why := _is_late(request.headers.get(SENT_HEADER))):
             return refused(409, why)
-        return await self._carry(self._desk, text, command)
+        return await self._carry(self._sink, text, command)
 
-    async def _carry(self, desk: CommandSink, text: str, command: str) -> Response:
+    async def _carry(self, sink: OrderSink, text: str, command: str) -> Response:
         loop = asyncio.get_running_loop()
         reply: asyncio.Future[tuple[bool, str]] = loop.create_future()
 
@@ -176,7 +176,7 @@ class Pages:
             with suppress(RuntimeError):  # the server has ended
                 loop.call_soon_threadsafe(settle, success, why)
 
-        desk.submit(text, on_result)
+        sink.submit(text, on_result)
         try:
             success, why = await asyncio.wait_for(reply, PATIENCE_S)
         except TimeoutError:
@@ -190,7 +190,7 @@ class Pages:
 
 
 def application(
-    mission: Mission, hub: Hub, desk: CommandSink | None, about: dict[str, Any], talk: TalkDesk | None = None
+    mission: Mission, hub: Hub, sink: OrderSink | None, about: dict[str, Any], talk: TalkSink | None = None
 ) -> ASGI:
     """What is behind the door."""
     ear = talk.ear if talk is not None else None
@@ -200,7 +200,7 @@ def application(
     ]
     deaf = ear.deaf if ear is not None else ""
     about = {**about, "talks": talk is not None, "listens": ear is not None, "deaf": deaf}
-    return Starlette(routes=[*Pages(mission, hub, desk, about).routes(), *routes])
+    return Starlette(routes=[*Pages(mission, hub, sink, about).routes(), *routes])
 
 
 def _command(text: str) -> str:

@@ -24,13 +24,13 @@ from visualize.live.page_files import PageFiles
 from visualize.live.posts import LARGEST_ORDER, PostRefusal, body_of
 from visualize.page.chart_data import chart_data
 
-__all__ = ("PlayDesk", "play_application")
+__all__ = ("PagePlay", "play_application")
 
 SCRIPTS = ("entry.js", "line.js", "play_fields.js", "play_choices.js", "play.js")
 FILES = PageFiles("play.html", SCRIPTS, ("live.css", "play.css"))
 
 
-class PlayDesk(Protocol):
+class PagePlay(Protocol):
     """A play; called from any thread."""
 
     def look(self) -> dict[str, Any]:
@@ -49,12 +49,12 @@ class PlayPages:
 
     Args:
         mission: What is played.
-        desk: The play.
+        play: The play.
     """
 
-    def __init__(self, mission: Mission, desk: PlayDesk) -> None:
+    def __init__(self, mission: Mission, play: PagePlay) -> None:
         self._mission = {"chart": chart_data(picture(mission), mission), "holders": dict(CONTROLLERS)}
-        self._desk = desk
+        self._play = play
         self._orders = Allowance(0.05, 40)
 
     def routes(self) -> list[Route]:
@@ -70,7 +70,7 @@ class PlayPages:
         return JSONResponse(self._mission)
 
     async def look(self, request: Request) -> Response:
-        return JSONResponse(await asyncio.to_thread(self._desk.look))
+        return JSONResponse(await asyncio.to_thread(self._play.look))
 
     async def act(self, request: Request) -> Response:
         body = await body_of(request, LARGEST_ORDER, "an order")
@@ -82,15 +82,15 @@ class PlayPages:
         if order is None:
             return await self._refused(400, "an order is a JSON object")
         try:
-            return JSONResponse(await asyncio.to_thread(self._desk.act, order))
+            return JSONResponse(await asyncio.to_thread(self._play.act, order))
         except (MissionError, OSError) as error:
             return await self._refused(409, str(error))
 
     async def _refused(self, status: int, why: str) -> Response:
         """Why not, and where the play is all the same."""
-        return JSONResponse({**await asyncio.to_thread(self._desk.look), "why_not": why}, status)
+        return JSONResponse({**await asyncio.to_thread(self._play.look), "why_not": why}, status)
 
 
-def play_application(mission: Mission, desk: PlayDesk) -> ASGI:
+def play_application(mission: Mission, play: PagePlay) -> ASGI:
     """What is behind the door."""
-    return Starlette(routes=PlayPages(mission, desk).routes())
+    return Starlette(routes=PlayPages(mission, play).routes())

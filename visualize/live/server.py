@@ -18,12 +18,12 @@ from typing import Any, NamedTuple
 
 from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
-from visualize.live.app import CommandSink, application
+from visualize.live.app import OrderSink, application
 from visualize.live.auth import ASGI, Door, is_loopback
 from visualize.live.feed import Feed
 from visualize.live.hub import Hub
-from visualize.live.play import PlayDesk, play_application
-from visualize.live.talk import TalkDesk
+from visualize.live.play import PagePlay, play_application
+from visualize.live.talk import TalkSink
 
 __all__ = ("LivePage", "PageAddress")
 
@@ -109,9 +109,9 @@ class LivePage:
         self,
         mission: Mission,
         feed: Feed,
-        desk: CommandSink | None = None,
+        sink: OrderSink | None = None,
         about: dict[str, Any] | None = None,
-        talk: TalkDesk | None = None,
+        talk: TalkSink | None = None,
         on_viewers: Callable[[], object] = lambda: None,
     ) -> None:
         """Serve a run from now on.
@@ -119,7 +119,7 @@ class LivePage:
         Args:
             mission: Whose run it is.
             feed: Where its steps come from.
-            desk: Who takes orders; None: the page only looks on.
+            sink: Who takes orders; None: the page only looks on.
             about: What the page shows of the run: `run`, `journal`, `answers`, `played`.
             talk: Who takes what a person writes to the robot; None: the page shows talk and takes none.
             on_viewers: Called where a viewer has come or gone, on the server's thread; never waits.
@@ -127,18 +127,18 @@ class LivePage:
 
         def inside() -> ASGI:
             self._hub = Hub(feed, on_viewers)
-            return application(mission, self._hub, desk, about or {}, talk)
+            return application(mission, self._hub, sink, about or {}, talk)
 
         self._begin(inside, viewer_token=self.viewer_token)
 
-    def start_play(self, mission: Mission, desk: PlayDesk) -> None:
+    def start_play(self, mission: Mission, play: PagePlay) -> None:
         """Serve a play from now on.
 
         Args:
             mission: What is played.
-            desk: The play.
+            play: The play.
         """
-        self._begin(lambda: play_application(mission, desk))
+        self._begin(lambda: play_application(mission, play))
 
     def _begin(self, inside: Callable[[], ASGI], *, viewer_token: str = "") -> None:
         """Serve what is made on the server's loop; without a token of theirs viewers do not come in."""

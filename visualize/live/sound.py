@@ -16,7 +16,7 @@ from rai_missions.event import Role
 from visualize.live.auth import ROLE, Allowance
 from visualize.live.posts import PostRefusal, body_of, refused
 
-__all__ = ("LARGEST_PIECE", "SoundDesk", "SoundPages")
+__all__ = ("LARGEST_PIECE", "SoundPages", "SoundSink")
 
 LARGEST_PIECE = 32_768
 """Bytes of a piece: a second at 16 kHz, mono, 16 bits, and a little more."""
@@ -30,7 +30,7 @@ LAST = 8
 """Parts that count where a microphone is shut: a second of silence follows."""
 
 
-class SoundDesk(Protocol):
+class SoundSink(Protocol):
     """Takes what is spoken into a page; called on the server's loop, and never waits."""
 
     @property
@@ -53,11 +53,11 @@ class SoundPages:
     """The route of sound.
 
     Args:
-        desk: Who listens.
+        sink: Who listens.
     """
 
-    def __init__(self, desk: SoundDesk) -> None:
-        self._desk = desk
+    def __init__(self, sink: SoundSink) -> None:
+        self._sink = sink
         self._parts = {role: Allowance(EVERY_S, MOST) for role in get_args(Role)}
         """By role: no viewer uses up what the operator may send."""
 
@@ -75,7 +75,7 @@ class SoundPages:
         is_last = given.get("last", "") == "1"
         if not self._parts[role].take(max(1, -(-len(body) // PART)) + is_last * LAST):
             return refused(429, "more sound than time has passed; wait a second")
-        why = self._desk.listen(
+        why = self._sink.listen(
             body,
             key=given.get("key", "")[:64],
             author=given.get("by", "")[:64],

@@ -16,15 +16,15 @@ from rai_missions.event import Role
 from rai_missions.plain_data import json_object
 from visualize.live.auth import ROLE, Allowance
 from visualize.live.posts import PostRefusal, body_of, refused
-from visualize.live.sound import SoundDesk
+from visualize.live.sound import SoundSink
 
-__all__ = ("TalkDesk", "TalkPages")
+__all__ = ("TalkPages", "TalkSink")
 
 LARGEST_TALK = 16_384
 """Bytes of a message; of a longer one nothing is kept."""
 
 
-class TalkDesk(Protocol):
+class TalkSink(Protocol):
     """Takes what is written on a page; called on the server's loop, and never waits."""
 
     def receive(self, text: str, author: str, role: Role) -> str:
@@ -37,7 +37,7 @@ class TalkDesk(Protocol):
         """
 
     @property
-    def ear(self) -> SoundDesk | None:
+    def ear(self) -> SoundSink | None:
         """Who listens to the page's microphone; None: it has none."""
 
     def is_stop(self, text: str) -> bool:
@@ -48,11 +48,11 @@ class TalkPages:
     """The route of talk.
 
     Args:
-        desk: Who is talked to.
+        sink: Who is talked to.
     """
 
-    def __init__(self, desk: TalkDesk) -> None:
-        self._desk = desk
+    def __init__(self, sink: TalkSink) -> None:
+        self._sink = sink
         self._sentences = {role: Allowance(1.0, 8) for role in get_args(Role)}
         self._stops = {role: Allowance(0.5, 10) for role in get_args(Role)}
         """By role: no viewer uses up what the operator may send."""
@@ -69,9 +69,9 @@ class TalkPages:
         if given is None:
             return refused(400, 'a message is a JSON object: {"text": …, "by": …}')
         text, author, role = given["text"], given.get("by", ""), request.scope[ROLE]
-        if not (self._stops if self._desk.is_stop(text) else self._sentences)[role].take():
+        if not (self._stops if self._sink.is_stop(text) else self._sentences)[role].take():
             return refused(429, "too many messages at once; wait a second")
-        why = self._desk.receive(text, author[:64], role)
+        why = self._sink.receive(text, author[:64], role)
         return refused(409, why) if why else JSONResponse({"success": True, "why": ""})
 
 

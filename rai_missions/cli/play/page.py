@@ -22,13 +22,13 @@ from rai_missions.runtime.interrupts import wait_for_signal
 if TYPE_CHECKING:
     from visualize.live import LivePage
 
-__all__ = ("SessionDesk", "opened", "serve")
+__all__ = ("ShownPlay", "opened", "serve")
 
 MOST_PATH = 500
 """So many of the last choices are on the page."""
 
 
-class SessionDesk:
+class ShownPlay:
     """A play as a page sees it; from any thread.
 
     Args:
@@ -111,7 +111,7 @@ def serve(page: LivePage, session: PlaySession, *, opens: bool) -> None:
         session: The play and its files.
         opens: The page is opened in the user's browser, where there is a screen.
     """
-    page.start_play(session.play.mission, SessionDesk(session))
+    page.start_play(session.play.mission, ShownPlay(session))
     print(f"try: {page.url}", flush=True)
     with opened(page.url) if opens and has_screen() else nullcontext():
         wait_for_signal(lambda: page.serves)

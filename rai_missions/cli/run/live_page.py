@@ -73,7 +73,7 @@ class ShownRun(NamedTuple):
 
     session: RunSession
     closed: ClosedOptions
-    desk: WebOrders
+    orders: WebOrders
     """Carries orders to it."""
     where: str
     """Which it is, and its journal, in words."""
@@ -194,7 +194,7 @@ class RunPage:
 
     def submit(self, text: str, on_reply: Callable[[bool, str], None]) -> None:
         """Carry a page's order to the run that it shows."""
-        self._current.desk.submit(text, on_reply)
+        self._current.orders.submit(text, on_reply)
 
     def _stop_late(self, by: str) -> None:
         if self._talk is not None:

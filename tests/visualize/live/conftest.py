@@ -12,7 +12,7 @@ from tests.visualize.live.stage import Run
 from tests.visualize.runs import tractor
 
 
-class Desk:
+class OrderBox:
     """Keeps the orders, and gives each the reply that was set."""
 
     def __init__(self) -> None:
@@ -28,7 +28,7 @@ class Desk:
 @pytest.fixture
 def run() -> Iterator[Run]:
     pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
-    with Run(tractor(), Desk()) as made:
+    with Run(tractor(), OrderBox()) as made:
         made.write("battery", 0.8)
         made.start()
         yield made

@@ -31,20 +31,20 @@ class Run:
 
     Args:
         mission: What runs.
-        desk: Who takes orders.
+        sink: Who takes orders.
         about: What the page shows of it in addition to its steps.
     """
 
-    def __init__(self, mission: Mission, desk: Any = None, about: Mapping[str, Any] | None = None) -> None:
+    def __init__(self, mission: Mission, sink: Any = None, about: Mapping[str, Any] | None = None) -> None:
         self.chart, self.life, self.steps = Chart(mission, ticker=CompiledTrees()), Lifecycle(), list[Step]()
         self.mode, self.control, self.run_id = "ready", "autonomy", ""
         self.closed: dict[int, dict[str, str]] = {}
         self.feed = RunFeed(lambda: self)
-        self.mission, self.desk, self.about = mission, desk, dict[str, Any](about or {})
+        self.mission, self.sink, self.about = mission, sink, dict[str, Any](about or {})
 
     def __enter__(self) -> Run:
         self.page = LivePage(PageAddress(port=0))
-        self.page.start(self.mission, self.feed, self.desk, self.about)
+        self.page.start(self.mission, self.feed, self.sink, self.about)
         return self
 
     def __exit__(self, *_: object) -> None:

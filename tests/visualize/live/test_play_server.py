@@ -19,7 +19,7 @@ DO = json.dumps({"do": "start", "revision": 0}).encode()
 JSON = {"Content_Type": "application/json"}
 
 
-class Desk:
+class Play:
     """Keeps the orders; refuses the one that is called `wrong`."""
 
     def __init__(self) -> None:
@@ -38,9 +38,9 @@ class Desk:
 @pytest.fixture
 def served() -> Iterator[Any]:
     pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
-    page, desk = LivePage(PageAddress(port=0)), Desk()
-    page.start_play(tractor(), desk)
-    yield SimpleNamespace(page=page, desk=desk)
+    page, play = LivePage(PageAddress(port=0)), Play()
+    page.start_play(tractor(), play)
+    yield SimpleNamespace(page=page, play=play)
     page.stop()
 
 
@@ -55,9 +55,9 @@ def test_only_who_has_the_token_and_comes_from_the_page_sees_or_does_anything(se
         assert ask(served.page, method, path, body, Origin="http://evil.example", **JSON)[0] == 403
         assert ask(served.page, method, path, body, Sec_Fetch_Site="cross-site", **JSON)[0] == 403
         assert ask(served.page, method, path, body, Host="evil.example", **JSON)[0] == 421
-    assert served.desk.orders == []
+    assert served.play.orders == []
     assert ask(served.page, "POST", "/play", DO, **JSON)[0] == 200
-    assert served.desk.orders == [{"do": "start", "revision": 0}]
+    assert served.play.orders == [{"do": "start", "revision": 0}]
 
 
 def test_an_order_that_is_none_is_refused_with_where_the_play_is(served: Any) -> None:
@@ -71,4 +71,4 @@ def test_an_order_that_is_none_is_refused_with_where_the_play_is(served: Any) ->
         found, _, reported = ask(served.page, "POST", "/play", body, **headers)
         assert (found, reported["revision"]) == (status, 0), reported
         assert reported["why_not"]
-    assert served.desk.orders == []
+    assert served.play.orders == []

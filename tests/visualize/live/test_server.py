@@ -38,7 +38,7 @@ def test_without_the_token_there_is_nothing(run: Run, method: str, path: str, to
     status, _, reported = ask(run.page, method, path, PAUSE if method == "POST" else None, X_Mission_Token=token)
     assert status == 401
     assert "token is missing or wrong" in reported["why"]
-    assert run.desk.orders == []
+    assert run.sink.orders == []
 
 
 @pytest.mark.parametrize("path", ["/", "/mission", "/orders"])
@@ -50,7 +50,7 @@ def test_a_name_that_is_not_ours_is_refused(run: Run, path: str, host: str) -> N
     method, body = ("POST", PAUSE) if path == "/orders" else ("GET", None)
     status, _, reported = ask(run.page, method, path, body, Host=host.format(port=run.page.port) or " ")
     assert status in (400, 421), reported
-    assert run.desk.orders == []
+    assert run.sink.orders == []
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1:{port}", "localhost:{port}", "LOCALHOST:{port}", "[::1]:{port}"])
@@ -70,7 +70,7 @@ def test_another_site_is_refused_even_with_the_token(run: Run, method: str, path
     sent = {name: value.format(port=run.page.port) for name, value in headers.items()}
     status, _, reported = ask(run.page, method, path, PAUSE if method == "POST" else None, **sent)
     assert (status, reported["why"]) == (403, "another site may not use this page")
-    assert run.desk.orders == []
+    assert run.sink.orders == []
 
 
 def test_no_other_site_is_ever_allowed_to_believe_that_it_may_ask(run: Run) -> None:
@@ -91,12 +91,12 @@ def test_every_answer_forbids_to_be_framed_run_or_guessed(run: Run, path: str) -
     assert headers["Cache-Control"] == "no-store"
 
 
-def test_an_order_goes_to_the_desk_as_it_came_and_its_receipt_comes_back(run: Run) -> None:
+def test_an_order_goes_to_the_sink_as_it_came_and_its_receipt_comes_back(run: Run) -> None:
     text = '{"command": "pause", "by": "\\u202e<b>"}'
     assert ask(run.page, "POST", "/orders", text.encode())[::2] == (200, {"success": True, "why": ""})
-    run.desk.reply = (False, "it is not running")
+    run.sink.reply = (False, "it is not running")
     assert ask(run.page, "POST", "/orders", b"{")[::2] == (409, {"success": False, "why": "it is not running"})
-    assert run.desk.orders == [text, "{"]
+    assert run.sink.orders == [text, "{"]
 
 
 def test_an_order_that_is_too_large_or_no_json_is_not_read(run: Run) -> None:
@@ -104,7 +104,7 @@ def test_an_order_that_is_too_large_or_no_json_is_not_read(run: Run) -> None:
     for kind in ("text/plain", "application/x-www-form-urlencoded", "multipart/form-data"):
         assert ask(run.page, "POST", "/orders", PAUSE, Content_Type=kind)[0] == 415
     assert ask(run.page, "GET", "/orders")[0] == 405
-    assert run.desk.orders == []
+    assert run.sink.orders == []
 
 
 def test_orders_come_at_a_bounded_rate_and_a_stop_has_its_own(run: Run) -> None:
@@ -119,14 +119,14 @@ def test_an_order_that_was_long_on_its_way_is_not_carried_out(run: Run, sent: fl
     status, _, reported = ask(run.page, "POST", "/orders", PAUSE, X_Mission_Sent=str(time.monotonic() + sent))
     assert (status, reported["success"]) == (409, False)
     assert "orders older than 5 s are not carried out" in reported["why"]
-    assert run.desk.orders == []
+    assert run.sink.orders == []
 
 
 @pytest.mark.parametrize("command", ["e_stop", "cancel"])
 def test_a_stop_and_a_cancel_are_carried_out_however_late_they_come(run: Run, command: str) -> None:
     order = json.dumps({"command": command})
     assert ask(run.page, "POST", "/orders", order.encode(), X_Mission_Sent=str(time.monotonic() - 3600))[0] == 200
-    assert run.desk.orders == [order]
+    assert run.sink.orders == [order]
 
 
 def test_an_order_given_by_the_clock_of_the_stream_is_carried_out(run: Run) -> None:
@@ -136,7 +136,7 @@ def test_an_order_given_by_the_clock_of_the_stream_is_carried_out(run: Run) -> N
     viewer.cut()
 
 
-def test_a_page_without_a_desk_only_looks(run: Run) -> None:
+def test_a_page_without_a_sink_only_looks(run: Run) -> None:
     with Run(run.mission) as other:
         status, _, reported = ask(other.page, "POST", "/orders", PAUSE)
         assert status == 403
@@ -236,7 +236,7 @@ def test_an_order_whose_rest_never_comes_is_refused(run: Run, monkeypatch: pytes
         line.sendall(head.encode() + PAUSE[:-1])
         reported = line.recv(1000)
     assert reported.split()[1] == b"408", reported
-    assert run.desk.orders == [] and ask(run.page, "GET", "/mission")[0] == 200
+    assert run.sink.orders == [] and ask(run.page, "GET", "/mission")[0] == 200
 
 
 def test_a_client_that_leaves_in_the_midst_of_its_order_costs_no_traceback(
@@ -342,10 +342,10 @@ def test_a_viewers_token_shows_everything_and_orders_nothing(run: Run) -> None:
             403,
             "a viewer looks, and orders nothing; the operator's address is another one",
         )
-    assert run.desk.orders == []
+    assert run.sink.orders == []
 
 
 def test_both_tokens_at_once_are_none(run: Run) -> None:
     both = f"{run.page.token}, {run.page.viewer_token}"
     assert ask(run.page, "POST", "/orders", PAUSE, X_Mission_Token=both)[0] == 401
-    assert run.desk.orders == []
+    assert run.sink.orders == []

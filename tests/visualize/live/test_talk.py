@@ -45,7 +45,7 @@ class TalkedRun(Run):
         self.ear, self.viewers = self.make_ear(), list[int]()
         self.page = LivePage(PageAddress(port=0))
         watched = lambda: self.viewers.append(self.page.viewers)  # noqa: E731
-        self.page.start(self.mission, self.feed, self.desk, self.about, self.ear, watched)
+        self.page.start(self.mission, self.feed, self.sink, self.about, self.ear, watched)
         return self
 
 
