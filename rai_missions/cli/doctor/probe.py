@@ -108,6 +108,13 @@ def sound_devices(_: Any) -> list[Any]:
     return [list(each) for each in found()]
 
 
+def microphone_level(_: Any) -> list[int]:
+    """What the default microphone records: samples, the loudest, and how many are clipped."""
+    from rai_missions.connectors.sound.devices import microphone_level as found
+
+    return list(found())
+
+
 def graph(given: Mapping[str, Any]) -> Graph:
     """What is there by mode, waited for as long as something wanted is not: `listed`, and of that what is `offered`.
 
@@ -185,6 +192,7 @@ PROBES: Mapping[str, Callable[[Any], Any]] = {
     "python_robot": python_robot,
     "answerer": answerer,
     "sound_devices": sound_devices,
+    "microphone_level": microphone_level,
 }
 
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator, Mapping
 
@@ -11,7 +12,7 @@ from rai_missions.errors import install_command
 from rai_missions.voice.kind import SpeechSort
 from rai_missions.voice.process import SpeechProcess
 
-__all__ = ("speech",)
+__all__ = ("microphone", "speech")
 
 OPEN_S = 60.0
 LISTENERS: tuple[tuple[SpeechSort, str, Mapping[str, str], str], ...] = (
@@ -21,6 +22,8 @@ LISTENERS: tuple[tuple[SpeechSort, str, Mapping[str, str], str], ...] = (
 )
 WAKE: tuple[SpeechSort, str, Mapping[str, str], str] = ("ear", "ear", {"wake_word": "okay_nabu"}, "wake words")
 VOICES = ("flite", "espeak")
+OPENED = "the default microphone and speaker, opened together at 16 kHz"
+CLIPPED_SHARE = 0.001
 OPTIONAL = {
     "piper": "(GPL-3.0-or-later), and name a model",
     "kokoro": "(GPL-3.0-or-later parts), and name its weights",
@@ -68,3 +71,18 @@ def _devices() -> Iterator[MachineFinding]:
         names = [f"'{device[0]}'" for device in found.value if device[place] > 0]
         remedy = "" if names else "files and topics need none"
         yield MachineFinding("ok" if names else "absent", f"{title}s: {', '.join(names) or 'none'}", remedy)
+    if all(any(device[place] > 0 for device in found.value) for place in (1, 2)):
+        opened = tried("microphone_level", None, os.environ)
+        yield MachineFinding("absent", OPENED, opened.fault) if opened.fault else microphone(*opened.value)
+
+
+def microphone(samples: int, loudest: int, clipped: int) -> MachineFinding:
+    """What is found of the default microphone, from what it records."""
+    if not samples:
+        return MachineFinding("warns", OPENED, "no sound comes; the sound system may hang, or a program may hold it")
+    if not loudest:
+        return MachineFinding("warns", OPENED, "each sample is 0; the microphone may be muted")
+    if clipped > CLIPPED_SHARE * samples:
+        share = f"{100 * clipped / samples:.1f} % of the sound is clipped"
+        return MachineFinding("warns", OPENED, f"{share}; words are lost so: turn the microphone down")
+    return MachineFinding("ok", f"{OPENED}: {20 * math.log10(loudest / 32768):.0f} dB of full scale at most")

@@ -11,16 +11,17 @@ from __future__ import annotations
 import atexit
 import threading
 import time
+from array import array
 from collections import deque
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 from rai_missions.connectors.sound.connector import FRAME_S, FRAME_SAMPLES, RATE_HZ, SILENCE, FrameLoop, SoundFrame
 from rai_missions.connectors.worker import Worker
 from rai_missions.errors import ConnectorError, UsageError, install_command
 from rai_missions.redaction import cut, logger
 
-__all__ = ("DeviceSound", "sound_devices")
+__all__ = ("DeviceSound", "MicrophoneLevel", "microphone_level", "sound_devices")
 
 log = logger(__name__)
 WAITING = 100
@@ -29,6 +30,8 @@ AGAIN_S = 1.0
 """How long after a device could not be opened again it is tried once more."""
 CLOSES_S = 5.0
 """How long a device may take to end."""
+LOOKS_S = 5.0
+"""How long a second of sound may take to come."""
 AHEAD = 2
 """Frames of a source that wait to be played; where none waits, silence is played and the source continues after it."""
 LATE_S, SHARE = 0.2, 0.05
@@ -164,6 +167,40 @@ def sound_devices() -> list[tuple[str, int, int]]:
         ]
     except library.PortAudioError as error:
         raise ConnectorError(f"PortAudio finds no sound system ({cut(error, 200)})") from None
+
+
+class MicrophoneLevel(NamedTuple):
+    """What a microphone records."""
+
+    samples: int
+    loudest: int
+    """The highest of them, of 32768."""
+    clipped: int
+    """How many of them are the loudest that there can be."""
+
+
+def microphone_level(device: str | int | None = None) -> MicrophoneLevel:
+    """Open a microphone and a speaker together, as a run does, for a second.
+
+    Args:
+        device: That is both; the default ones if left out.
+
+    Raises:
+        UsageError: The library is not installed.
+        ConnectorError: They cannot be opened: there is none, another program has it, or its rate is another.
+    """
+    sound, found, done = DeviceSound(device, device), array("h"), threading.Event()
+
+    def take(frame: SoundFrame) -> None:
+        found.frombytes(frame.recorded)
+        if len(found) >= RATE_HZ:
+            done.set()
+
+    sound.listen(take)
+    sound.start()
+    done.wait(LOOKS_S)
+    sound.stop()
+    return MicrophoneLevel(len(found), max(map(abs, found), default=0), sum(each in (-32768, 32767) for each in found))
 
 
 def _close(stream: Any) -> None:

@@ -21,6 +21,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TypeVar
 
 import pytest
 
@@ -30,6 +31,7 @@ from tests.connectors.sound.test_sound import waited
 from tests.voice.conftest import LACKING as VOICE_LACKING
 from tests.voice.conftest import quiet, spoken
 
+T = TypeVar("T")
 PROGRAMS = ("pulseaudio", "pactl", "pacat", "parec")
 LACKING = [name for name in PROGRAMS if shutil.which(name) is None]
 LACKING += [name for name in ("sounddevice", "numpy") if importlib.util.find_spec(name) is None]
@@ -97,7 +99,7 @@ def wait_until(holds: Callable[[], bool], within_s: float = 15.0) -> bool:
     return held
 
 
-def in_new_process(work: Callable[[], object]) -> object:
+def in_new_process(work: Callable[[], T]) -> T:
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
         return pool.submit(work).result(60)
 
@@ -143,6 +145,27 @@ def test_each_frame_is_played_once_in_order_and_reaches_the_speaker(null_sinks: 
     recorded = file.read_bytes()
     reached = sum(frame[: FRAME_BYTES // 2] in recorded for frame in numbered())
     assert reached >= 20, f"{reached} of 60 frames came out of the speaker"
+
+
+def level() -> tuple[int, ...]:
+    from rai_missions.connectors.sound.devices import microphone_level
+
+    return tuple(microphone_level("pulse"))
+
+
+@pytest.mark.long
+def test_a_microphone_is_looked_at_as_a_run_opens_it(null_sinks: None, tmp_path: Path) -> None:
+    samples, loudest, clipped = in_new_process(level)
+    assert samples >= 16_000
+    assert (loudest, clipped) == (0, 0)
+    file = tmp_path / "loud.raw"
+    file.write_bytes((b"\xff\x7f" * 20 + b"\x00\x80" * 20) * 400 * 60)  # a minute
+    player = subprocess.Popen(["pacat", "-p", *RAW, "-d", "microphone", str(file)])
+    samples, loudest, clipped = in_new_process(level)
+    player.terminate()
+    player.wait(10)
+    assert loudest >= 32_767
+    assert clipped > samples / 4
 
 
 @pytest.mark.drill
