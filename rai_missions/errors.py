@@ -36,6 +36,7 @@ __all__ = (
     "meant",
     "meant_file",
     "nearest",
+    "one_line",
     "pointer",
     "raised_text",
     "steps_of",
@@ -207,17 +208,22 @@ def steps_of(place: str) -> tuple[str, ...]:
 
 
 def pointer(steps: Iterable[str | int]) -> str:
-    """A JSON pointer (RFC 6901); a lone surrogate, which no output can show, is written as its escape."""
-    text = "".join(f"/{escaped(step)}" for step in steps)
-    return text.encode("utf-8", "backslashreplace").decode()
+    """A JSON pointer (RFC 6901) in one line."""
+    return one_line("".join(f"/{escaped(step)}" for step in steps))
 
 
 def file_text(path: str | os.PathLike[str]) -> str:
     """The name of a file as one line of text, for what is stored, sent or shown.
 
-    Bytes of it that are no UTF-8 are written out, and so is what no line shows, such as a line break.
+    Bytes of it that are no UTF-8 are written out, and so is what no line shows.
     """
-    text = os.fsencode(path).decode("utf-8", "backslashreplace")
+    return one_line(os.fsencode(path).decode("utf-8", "backslashreplace"))
+
+
+def one_line(text: str) -> str:
+    """A text with what no line shows written as its escape: a line break, half a character, a space of no width."""
+    if text.isprintable():
+        return text
     return "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in text)
 
 

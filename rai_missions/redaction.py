@@ -21,7 +21,7 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 from urllib.parse import quote, quote_plus, unquote, urlsplit
 
-from rai_missions.errors import in_words
+from rai_missions.errors import in_words, one_line
 
 __all__ = (
     "Redaction",
@@ -339,9 +339,9 @@ def shown(value: Any, length: int = 60, *, by: Callable[[str, int], str] = cut) 
 
 
 def _short(text: str, length: int, by: Callable[[str, int], str]) -> str:
-    """Half a surrogate pair, which no output can show, is written as its escape."""
+    """In one line: what it holds of a stranger begins none of its own."""
     text = text.encode("utf-8", "backslashreplace").decode()
-    found = by(text, length + 1)
+    found = one_line(by(text, length + 1))
     return found if len(found) <= length else found[: length - 1] + "…"
 
 

@@ -64,7 +64,7 @@ def expanded(mission: Mission, file: Path) -> Mission:
     states = [state for _, _, state in mission.walk()]
     if len(states) <= MAX_STATES and not any(isinstance(state, Include) for state in states):
         return mission
-    whole = _without_inclusions(mission, Chain((file.resolve(),), {"states": 0, "bytes": 0}), str(file))
+    whole = _without_inclusions(mission, Chain((file.resolve(),), {"states": 0, "bytes": 0}, set()), str(file))
     if whole.behaviours():  # which no file has, so that none is read of it
         return whole
     if (levels := _levels(whole.written())) > MAX_DEPTH:
@@ -75,6 +75,7 @@ def expanded(mission: Mission, file: Path) -> Mission:
 
 def _without_inclusions(mission: Mission, chain: Chain, source: str) -> Mission:
     faults: list[Fault] = []
+    is_whole = True
     brought: dict[str, Inclusion] = {}
     for place, name, state in mission.walk():
         chain.total["states"] += 1
@@ -82,11 +83,13 @@ def _without_inclusions(mission: Mission, chain: Chain, source: str) -> Mission:
             try:
                 brought[name] = _brought(name, state, mission, chain)
             except DefinitionError as error:
+                is_whole = False
                 faults += [Fault(place + fault.place, fault.sentence) for fault in error.faults]
         if chain.total["states"] > MAX_STATES:
+            is_whole = False
             faults.append(Fault(place, f"more than {MAX_STATES} states with all that is included; make it smaller"))
             break
-    if faults:
+    if not is_whole:  # where its only fault is that of a file which is reported already, there is none to name
         raise DefinitionError(faults, source)
     return mission.model_copy(
         update={
@@ -117,6 +120,8 @@ def _replaced(states: Mapping[str, State], brought: Mapping[str, Inclusion]) -> 
 def _brought(name: str, include: Include, parent: Mission, chain: Chain) -> Inclusion:
     """What one inclusion becomes; raises faults with places from the inclusion on."""
     file = included_file(include.mission, chain)
+    if file in chain.faulty:
+        raise DefinitionError(())
     try:
         chain.total["bytes"] += file.stat().st_size
         if chain.total["bytes"] > MAX_BYTES:
@@ -125,8 +130,9 @@ def _brought(name: str, include: Include, parent: Mission, chain: Chain) -> Incl
     except UsageError as error:
         raise refused(str(error)) from None
     except DefinitionError as error:
-        if not error.source and error.faults[0].place == "/mission":
+        if not error.source and error.faults and error.faults[0].place == "/mission":
             raise
+        chain.faulty.add(file)
         raise DefinitionError(
             Fault("/mission", f"in {shown(include.mission)}, {fault}") for fault in error.faults
         ) from None

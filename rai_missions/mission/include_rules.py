@@ -32,6 +32,8 @@ class Chain(NamedTuple):
     """Outermost first."""
     total: dict[str, int]
     """States and bytes of everything included, counted as often as it is."""
+    faulty: set[Path]
+    """The included files whose faults are reported."""
 
     @property
     def folder(self) -> Path:

@@ -7,6 +7,7 @@ Rule: no sentence of pydantic's reaches an author.
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, Any, Protocol, Self, TypeVar, get_args, get_origin
 
@@ -302,10 +303,13 @@ BOUNDED: Mapping[str, Callable[[Any, Any], str]] = {
 
 def _misnamed(given: str, pattern: str) -> str:
     """Why a word is no name, and the nearest that is one."""
-    near = without_marks(re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", given))
-    near = re.sub(r"[^a-z0-9_./]+" if r"\." in pattern else r"[^a-z0-9_/]+", "_", near)
+    plain = without_marks(re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", given))
+    near = re.sub(r"[^a-z0-9_./]+" if r"\." in pattern else r"[^a-z0-9_/]+", "_", plain)
     near = near.strip("_/.").lstrip("_/.0123456789")
     hint = f"; did you mean '{near}'?" if near and len(near) <= 60 and re.match(pattern, near) else ""
+    # a letter of another script may look like the one that was meant
+    if foreign := next((each for each in plain if not (each.isascii() and each.isprintable())), ""):
+        hint = f"; {shown(foreign)} is {unicodedata.name(foreign, 'no letter')}"
     if r"\." in pattern:
         return f"{shown(given)} is neither a key nor a field of one; write it like 'obstacle.height_m'{hint}"
     return f"{shown(given)} is not a name; a name is lower case letters, digits and '_', a letter first{hint}"

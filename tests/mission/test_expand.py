@@ -412,6 +412,25 @@ def test_the_faults_of_all_inclusions_are_reported_at_once(tmp_path: Path) -> No
     ]
 
 
+@pytest.mark.parametrize(("levels", "leaf"), [(14, {"initial": "B"}), (40, {})])
+def test_a_file_at_fault_is_reported_once_however_many_ways_lead_to_it(
+    tmp_path: Path, levels: int, leaf: dict[str, Any]
+) -> None:
+    for depth in range(levels):
+        states = {name: {"mission": f"m{depth + 1}.json"} for name in "ab"}
+        written(tmp_path, **{f"m{depth}": {"format": 1, "name": "m", "initial": "a", "states": states}})
+    last = {"format": 1, "name": "m", "initial": "a", "states": {"a": {}}}
+    written(tmp_path, **{f"m{levels}": last | leaf})
+    faults, why = faults_in(tmp_path / "m0.json"), "'B' is not a name" if leaf else "more than 16 missions inside each"
+    assert [why in each for each in faults] == [True] * (1 if leaf else 2)  # that of the leaf; both ways to it
+    states = {name: {"mission": f"m{levels}.json"} for name in "ab"}
+    mended = {"format": 1, "name": "m", "initial": "a", "states": states | {"c": {"mission": "other.json"}}}
+    written(tmp_path, top=mended, other={"format": 1, "name": "m", "initial": "C", "states": {}})
+    assert {fault.partition(": ")[0] for fault in faults_in(tmp_path / "top.json")} == (
+        {"/states/a/mission", "/states/c/mission"} if leaf else {"/states/c/mission"}
+    )
+
+
 @pytest.mark.parametrize("most", [500, pytest.param(include.MAX_STATES, marks=pytest.mark.drill)])
 def test_what_grows_without_end_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, most: int) -> None:
     monkeypatch.setattr(include, "MAX_STATES", most)

@@ -72,7 +72,7 @@ def test_a_text_cut_short_is_never_read_as_a_whole_object(value: object, data: s
         (b'{"a": None}', "/: line 1, column 7: not JSON: expecting value, at 'None}'; write null"),
         (
             b'{"a": "b\tc"}',
-            "/: line 1, column 9: not JSON: invalid control character, at '\tc\"}'; inside a text a tabulator is \\t",
+            "/: line 1, column 9: not JSON: invalid control character, at '\\tc\"}'; inside a text a tabulator is \\t",
         ),
         (
             b'{"a": "b,\n"c": 1}',
