@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache, cached_property
 from typing import Any, NamedTuple
 
-from rai_missions.check.name_table import Lexicon
+from rai_missions.check.name_table import NameTable
 from rai_missions.check.pointers import guard_parts
 from rai_missions.errors import escaped, unescaped
 from rai_missions.guards import Guard
@@ -160,9 +160,9 @@ class MissionIndex:
         self.by_name: dict[str, StateRef] = {}
         for spot in self.spots:
             self.by_name.setdefault(spot.name, spot)
-        self.states = Lexicon("state", self.by_name)
-        self.keys = Lexicon("key", mission.blackboard, "declare it under /blackboard")
-        self.events = Lexicon("event", (*mission.events, *BUILT_IN_EVENTS), "declare it under /events")
+        self.states = NameTable("state", self.by_name)
+        self.keys = NameTable("key", mission.blackboard, "declare it under /blackboard")
+        self.events = NameTable("event", (*mission.events, *BUILT_IN_EVENTS), "declare it under /events")
         self._at = {spot.place: spot for spot in self.spots}
         self._look(mission, "", Scope())
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from rai_missions.check.finding import Found
 from rai_missions.check.index import KeyWrite, MissionIndex
-from rai_missions.check.name_table import Lexicon
+from rai_missions.check.name_table import NameTable
 from rai_missions.check.paths import key_of, meaning, parameter_types
 from rai_missions.check.pointers import pointer
 from rai_missions.states.effects import Raise
@@ -36,7 +36,7 @@ def unknown_payload(index: MissionIndex) -> Found:
         event = index.mission.events.get(effect.event) if isinstance(effect, Raise) else None
         if event is None or not event.fields or not isinstance(effect, Raise):
             continue
-        fields = Lexicon(f"field of event '{effect.event}'", event.fields)
+        fields = NameTable(f"field of event '{effect.event}'", event.fields)
         for name in effect.data:
             if name not in fields:
                 yield pointer(place, "data", name), fields.missing(name)

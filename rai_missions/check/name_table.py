@@ -8,13 +8,13 @@ from collections.abc import Iterable
 
 from rai_missions.errors import suggestion
 
-__all__ = ("Lexicon",)
+__all__ = ("NameTable",)
 
 GUESSES = 40
 """So many unknown names of a sort are compared with all known ones; it takes long with ten thousand states."""
 
 
-class Lexicon:
+class NameTable:
     """The names of one sort.
 
     Args:

@@ -10,7 +10,7 @@ from typing import Any
 
 from rai_missions.check.finding import Found
 from rai_missions.check.index import MissionIndex, StateRef
-from rai_missions.check.name_table import Lexicon
+from rai_missions.check.name_table import NameTable
 from rai_missions.check.pointers import listed_names, pointer
 from rai_missions.guards.named import Named
 from rai_missions.mission.mission import BUILT_IN_EVENTS
@@ -57,7 +57,7 @@ def unknown_states(index: MissionIndex) -> Found:
 
 def unknown_events(index: MissionIndex) -> Found:
     """What `on` and `raise` name is an event, an outcome, or an option of the transition's own decision."""
-    words = Lexicon("event or outcome", (*index.events.known, *OUTCOMES))
+    words = NameTable("event or outcome", (*index.events.known, *OUTCOMES))
     known = {ANY_EVENT, *words.known}
     options = {name: spot for spot in index.spots for name in spot.options}
     for transition in index.transitions:
@@ -82,7 +82,7 @@ def _of_another_sort(word: str, index: MissionIndex) -> str:
     return ""
 
 
-def _unknown_trigger(word: str, own: tuple[str, ...], words: Lexicon, options: dict[str, StateRef]) -> str:
+def _unknown_trigger(word: str, own: tuple[str, ...], words: NameTable, options: dict[str, StateRef]) -> str:
     if word in options:
         name = options[word].name
         return (
@@ -98,7 +98,7 @@ def _unknown_trigger(word: str, own: tuple[str, ...], words: Lexicon, options: d
 def unknown_ids(index: MissionIndex) -> Found:
     """What `drop` names is the `id` of a delayed `raise`."""
     raised = [done.effect for done in index.effects if isinstance(done.effect, Raise)]
-    ids = Lexicon("delayed 'raise' with the id", (effect.id for effect in raised if effect.id is not None))
+    ids = NameTable("delayed 'raise' with the id", (effect.id for effect in raised if effect.id is not None))
     for effect, place, _ in index.effects:
         if isinstance(effect, Drop) and effect.drop not in ids:
             remedy = "" if ids.known else "; give the 'raise' that it takes back an 'id'"
@@ -114,7 +114,7 @@ def unknown_predicates(index: MissionIndex) -> Found:
     """What `named` names is a predicate that was registered, where the registered ones are known, and fits its use."""
     if index.predicates is None:
         return
-    known = Lexicon("registered predicate", index.predicates, "register it with --guards FILE.py")
+    known = NameTable("registered predicate", index.predicates, "register it with --guards FILE.py")
     functions = index.predicates if isinstance(index.predicates, Mapping) else {}
     for place, part, _ in index.parts:
         for refers, name, here in part.references(place):

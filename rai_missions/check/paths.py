@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from rai_missions.check.index import MissionIndex, PathUse, Scope
-from rai_missions.check.name_table import Lexicon
+from rai_missions.check.name_table import NameTable
 from rai_missions.keys import Key
 from rai_missions.mission.option_parameters import listed_parameters
 from rai_missions.states import Option
@@ -62,7 +62,7 @@ def _field(name: str, key: Key, fields: list[str]) -> Meaning:
         if known is None:
             return Meaning()
         if field not in known:
-            return Meaning(None, Lexicon(f"field of '{name}'", known).missing(field))
+            return Meaning(None, NameTable(f"field of '{name}'", known).missing(field))
         name, kind, known = f"{name}.{field}", known[field], None
     return Meaning(kind)
 
@@ -84,7 +84,7 @@ def _event(index: MissionIndex, scope: Scope, fields: list[str]) -> Meaning:
         return Meaning()
     kinds = {event.fields[fields[0]] for _, event in events if fields[0] in event.fields}
     if events and not kinds:
-        known = Lexicon(f"field of event '{events[0][0]}'", events[0][1].fields)
+        known = NameTable(f"field of event '{events[0][0]}'", events[0][1].fields)
         return Meaning(None, known.missing(fields[0]))
     return Meaning(kinds.pop() if len(kinds) == 1 else None)
 
@@ -109,10 +109,10 @@ def _answer(index: MissionIndex, scope: Scope, fields: list[str]) -> Meaning:
             kinds.add(known[fields[0]])
     if not kinds:
         name, option = next(iter(options.items()))
-        lexicon = Lexicon(
+        table = NameTable(
             f"parameter of option '{name}'", parameter_types(option) or {}, "add it to the option's 'parameters'"
         )
-        return Meaning(None, lexicon.missing(fields[0]))
+        return Meaning(None, table.missing(fields[0]))
     return Meaning(kinds.pop() if len(kinds) == 1 and len(fields) == 1 else None)
 
 
