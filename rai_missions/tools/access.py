@@ -138,17 +138,17 @@ class AllowedConnector:
         """
         for topic in wanted:
             self.allowed.check(topic, "read")
-        ear, types, closes = Ear(), dict[str, str](), list[Close]()
+        newest, types, closes = NewestMessages(), dict[str, str](), list[Close]()
         received: dict[str, Sample] = {}
-        changed: Latest[Message] = self.waiting(ear.changed)
+        changed: Latest[Message] = self.waiting(newest.changed)
 
         def will_do(_: object) -> bool:
-            received.update({each.topic: self._sample(each, types.get(each.topic, "")) for each in ear.newest()})
+            received.update({each.topic: self._sample(each, types.get(each.topic, "")) for each in newest.messages()})
             return enough(received)
 
         try:
             for topic, type_name in wanted.items():
-                close, types[topic] = self.subscribe(topic, type_name, ear.take, ends)
+                close, types[topic] = self.subscribe(topic, type_name, newest.take, ends)
                 closes.append(close)
             changed.wait(ends, will_do)
         finally:
@@ -217,7 +217,7 @@ class AllowedConnector:
         return Sample(message.topic, type_name, message.data, message.at, age_s)
 
 
-class Ear:
+class NewestMessages:
     """Keeps the newest message of each topic that it receives."""
 
     def __init__(self) -> None:
@@ -232,7 +232,7 @@ class Ear:
                 self._newest[message.topic] = message
         self.changed.put(message)
 
-    def newest(self) -> tuple[Message, ...]:
+    def messages(self) -> tuple[Message, ...]:
         with self._lock:
             return tuple(self._newest.values())
 

@@ -17,7 +17,7 @@ from rai_missions.errors import UsageError
 from rai_missions.image import Image
 from rai_missions.redaction import closed, cut, cut_repr
 
-__all__ = ("LONGEST", "ToolResult", "at_path", "outline")
+__all__ = ("LONGEST", "ToolResult", "field_at", "outline")
 
 LONGEST = 4_000
 """Characters of facts that a model is shown."""
@@ -46,7 +46,7 @@ class ToolResult(NamedTuple):
         return self.text() if self.picture is None else [{"type": "text", "text": self.text()}, dict(self.picture)]
 
 
-def at_path(message: Any, path: str) -> Any:
+def field_at(message: Any, path: str) -> Any:
     """The field at a path, `pose.position.x`, or an item of a list, `ranges.0`.
 
     Raises:

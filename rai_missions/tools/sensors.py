@@ -15,7 +15,7 @@ from rai_missions.errors import UsageError
 from rai_missions.tools.access import AllowedConnector, Sample
 from rai_missions.tools.arguments import Age, Name, Text, Timeout, TypeName
 from rai_missions.tools.images import block, image_of
-from rai_missions.tools.result import ToolResult, at_path
+from rai_missions.tools.result import ToolResult, field_at
 
 __all__ = ("SensorTools",)
 
@@ -94,7 +94,7 @@ class SensorTools:
         newest, too_old = self._reach.newest(topic, type_name, max_age_s, timeout_s)
         if newest is None:
             return self._silent(topic, max_age_s, timeout_s, too_old)
-        value = at_path(newest.data, field)
+        value = field_at(newest.data, field)
         data = {"topic": topic, "type": newest.type_name, "age_s": newest.age_s, "at": newest.at, "message": value}
         part = f"the field {field} of " if field else ""
         return ToolResult(f"This is {part}the newest message of {topic}, {_old(newest)}:", data, value)

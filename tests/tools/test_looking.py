@@ -25,7 +25,7 @@ from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.image import Image
 from rai_missions.tools import RobotTool, Toolbox, ToolResult
 from rai_missions.tools.images import LARGEST, block
-from rai_missions.tools.result import LONGEST, at_path
+from rai_missions.tools.result import LONGEST, field_at
 from rai_missions.tools.tool import robot_tool
 from tests.tools.conftest import PATIENCE_S, RepeatingPublisher, ToolRig
 
@@ -96,9 +96,9 @@ def test_a_wait_has_an_end(local: ToolRig, timeout_s: float) -> None:
 
 def test_a_field_that_is_not_there_is_reported_with_those_that_are() -> None:
     message = {"pose": {"x": 1.0, "path": [4, 5]}}
-    assert (at_path(message, "pose.path.1"), at_path(message, "")) == (5, message)
+    assert (field_at(message, "pose.path.1"), field_at(message, "")) == (5, message)
     with pytest.raises(UsageError, match=r"no field 'z' of 'pose.z'; there is: x, path"):
-        at_path(message, "pose.z")
+        field_at(message, "pose.z")
 
 
 # ── What a model is shown ───────────────────────────────────────────────────────────────────────────────────────
