@@ -74,11 +74,12 @@ def fresh(program: Program) -> RunState:
 
 def begin_run(program: Program, state: RunState, at: float) -> None:
     """Enter the mission; the step is not closed yet."""
-    board = state.board
+    board, keys = state.board, program.keys
     state.at = max(at, state.at)
-    for name, key in program.keys.items():
-        if key.initial is not None and key.source != "robot" and board[name].at < state.at:
-            board[name] = Stamped(board[name].value, state.at)
+    for name, (value, at) in [*board.items()]:
+        key = keys[name]
+        if key.initial is not None and key.source != "robot" and at < state.at:
+            board[name] = Stamped(value, state.at)
     state.mode, state.held_since = "running", state.at
     state.frozen = dict.fromkeys(held_controls(program, state), state.at)
     jump(program, state, program.graph.start(state.memory))

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import pytest
@@ -415,3 +416,31 @@ def test_a_step_that_looks_at_a_value_and_replaces_it_is_made_for_each() -> None
         },
     }))  # fmt: skip
     assert proof.never == ()
+
+
+def _states_of_tasks(count: int) -> int:
+    """The states of a mission that does one of so many tasks, each with an argument of its own."""
+    names = range(count)
+    argument: Json = {"type": "string", "source": "argument", "initial": ""}
+    places: Json = {f"place_{at}": argument for at in names}
+    choices = [{"when": {"key": "task", "==": str(at)}, "to": f"task_{at}"} for at in names]
+    ways = [{"on": "succeeded", "to": "done"}, {"on": ["failed", "unverified"], "to": "over"}]
+    tasks: Json = {
+        f"task_{at}": {
+            "action": "drive", "achieved": {"key": "here", "==": {"key": f"place_{at}"}}, "transitions": ways,
+        }
+        for at in names
+    }  # fmt: skip
+    here: Json = {"type": "string", "source": "robot"}
+    space = Space(Environment(Mission.model_validate({
+        "format": 1, "name": "tasks", "initial": "choosing", "blackboard": {"task": argument, "here": here, **places},
+        "states": {"choosing": {"transitions": choices}, **tasks, "done": {"final": "succeeded"}, "over": OVER},
+    })), limits=1_000)  # fmt: skip
+    space.explore()
+    assert space.is_whole
+    return space.states
+
+
+def test_an_argument_that_is_not_looked_at_yet_distinguishes_no_states() -> None:
+    states = [_states_of_tasks(count) for count in (2, 3, 4, 5)]
+    assert len({more - less for less, more in pairwise(states)}) == 1, states
