@@ -16,9 +16,12 @@ from pathlib import Path
 import jsonschema
 import pytest
 
+from rai_missions.agents.talk.settings import conversation_faults, settings_of
 from rai_missions.cli.main import main
 from rai_missions.cli.templates import templates
+from rai_missions.conversation import Dialogue, KeyView, MissionView, Speech, StatusView, Utterance
 from rai_missions.mission.files import load
+from rai_missions.profile import profile_of
 
 TEMPLATES = [each.name for each in templates().values() if not each.is_example]
 SLOW_TO_PROVE = {"patrol"}
@@ -60,6 +63,31 @@ def test_what_a_new_readme_shows_works_at_once(
             )
     assert len(list(Path("journals").glob("first_try-*.journal"))) == 1
     assert Path("mission.svg").stat().st_size > 1000
+
+
+ORDERS = {
+    "delivery": {
+        "bring the parcel": "You want: deliver the parcel. Is",
+        "could you bring the parcel 4 metres away?": "deliver the parcel 4 m away",
+    },
+    "pick_and_place": {"put two parts into the tray": "put 2 parts into the tray"},
+}
+
+
+@pytest.mark.parametrize("template", ORDERS)
+def test_its_robot_takes_the_orders_that_the_readme_names(folder: Path, template: str) -> None:
+    assert main(["new", "first_try", "--template", template]) == 0
+    mission = load(folder / "first_try/mission.json")
+    robot = profile_of(runpy.run_path(str(folder / "first_try/robot.py"))["robot"](), mission)
+    assert conversation_faults(robot, mission) == ()
+    takes = [
+        KeyView(name, key.type, about=key.about, value=key.initial) for name, key in mission.keys_of("argument").items()
+    ]
+    view = StatusView(mode="ready", mission=mission.name, missions=(MissionView(mission.name, "", tuple(takes)),))
+    for sentence, called in ORDERS[template].items():
+        dialogue = Dialogue(settings_of(robot.conversation), view=view)
+        out = dialogue.on_utterance(Utterance(sentence, "operator", "terminal", at=1.0), view)
+        assert any(called in each.text for each in out if isinstance(each, Speech)), out
 
 
 @pytest.mark.drill

@@ -26,6 +26,13 @@ RULES: dict[str, list[Mapping[str, Any]]] = {
 }
 """Who answers as `rules`; where no rule fits, the next in the decision's `ask` is asked."""
 
+CONVERSATION: Mapping[str, Any] = {
+    "phrases": {"deliver [the] parcel": {}, "deliver [the] parcel [to] {destination_m} away": {}},
+    "spoken": {"deliver the parcel {destination_m} away": {}, "deliver the parcel": {}},
+    "questions": {"what is in (the|your) way": "obstacle.kind", "(is|was) the parcel *": "delivered"},
+}
+"""What people may order and ask in words of their own, with `run --talk`."""
+
 
 class Corridor:
     """What is simulated: where the robot is, and what it carries."""
@@ -46,7 +53,8 @@ class Corridor:
 
 def robot() -> PythonRobot:
     """A robot for each run."""
-    made, corridor = PythonRobot("delivery robot, simulated", rules=RULES), Corridor()
+    made = PythonRobot("delivery robot, simulated", rules=RULES, conversation=CONVERSATION)
+    corridor = Corridor()
 
     made.fact("position_m", every_s=0.2)(lambda: round(corridor.position_m, 2))
     made.fact("delivered", every_s=0.5)(lambda: not corridor.has_parcel)

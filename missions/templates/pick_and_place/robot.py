@@ -28,6 +28,13 @@ RULES: dict[str, list[Mapping[str, Any]]] = {
 }
 """Who answers as `rules`; where no rule fits, the next in the decision's `ask` is asked."""
 
+CONVERSATION: Mapping[str, Any] = {
+    "phrases": {"(put|place|pick) {wanted} parts [(in|into) the tray]": {}},
+    "spoken": {"put {wanted} parts into the tray": {}},
+    "questions": {"how many [parts] are in the tray": "in_tray"},
+}
+"""What people may order and ask in words of their own, with `run --talk`."""
+
 
 class Cell:
     """What is simulated: the parts on the table, in the gripper and in the tray."""
@@ -45,7 +52,7 @@ class Cell:
 
 def robot() -> PythonRobot:
     """An arm for each run."""
-    made, cell = PythonRobot("arm, simulated", rules=RULES), Cell()
+    made, cell = PythonRobot("arm, simulated", rules=RULES, conversation=CONVERSATION), Cell()
 
     made.fact("in_tray", every_s=1)(lambda: cell.in_tray)
     made.fact("holding", every_s=0.5)(lambda: cell.held is not None)
