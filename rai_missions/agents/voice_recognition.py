@@ -81,11 +81,12 @@ class VoiceRecognition:
 
     @property
     def health(self) -> AgentHealth:
-        """Whether all that listens can be opened, and how often each was started again."""
+        """Whether sound comes and all that listens can be opened, and how often each was started again."""
         recognition = self._recognition
         if recognition is None:
             return AgentHealth("stopped")
-        return health_of(recognition.processes)
+        found, fault = health_of(recognition.processes), self._sound.fault
+        return found._replace(state="hangs", why=fault) if fault and found.lives else found
 
     def wait_ready(self) -> None:
         """Wait until all recognisers are loaded.

@@ -322,6 +322,24 @@ def test_voice_recognition_is_an_agent() -> None:
     check_agent(lambda: VoiceRecognition(FileSound()))
 
 
+class AwaySound(FileSound):
+    """A sound whose device is away."""
+
+    fault = "no sound has come"
+
+
+@needs_voice
+@pytest.mark.xdist_group("voice")
+@pytest.mark.parametrize(("sound", "state"), [(FileSound(), "running"), (AwaySound(), "hangs")])
+def test_recognition_without_sound_reports_why(sound: FileSound, state: str) -> None:
+    recognition = VoiceRecognition(sound)
+    recognition.run()
+    health = recognition.health
+    recognition.stop()
+    assert (health.state, health.why) == (state, sound.fault)
+    assert recognition.health.state == "stopped"
+
+
 @pytest.mark.long
 @needs_voice
 @pytest.mark.xdist_group("voice")

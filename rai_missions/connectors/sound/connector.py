@@ -50,6 +50,10 @@ class SoundConnector(Protocol):
     @property
     def running(self) -> bool: ...
 
+    @property
+    def fault(self) -> str:
+        """Why no sound comes though it runs; empty where it does."""
+
     def start(self) -> None:
         """Begin; running already, nothing happens.
 
@@ -77,6 +81,11 @@ class FrameLoop:
     def __init__(self) -> None:
         self._listeners: tuple[OnFrame, ...] = ()
         self._source: SoundSource | None = None
+
+    @property
+    def fault(self) -> str:
+        """See `SoundConnector`."""
+        return ""
 
     def listen(self, on_frame: OnFrame) -> Close:
         """See `SoundConnector`."""

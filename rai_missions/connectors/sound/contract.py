@@ -43,6 +43,7 @@ def _gives_frames_in_order(sound: SoundConnector, pass_time: PassTime) -> None:
     frames: list[SoundFrame] = []
     close = sound.listen(frames.append)
     pass_time(sound, 5)
+    assert not sound.fault, f"sound comes, so there is no fault: {sound.fault}"
     assert len(frames) >= 5, f"after 5 frames of time {len(frames)} were given"
     sizes = {len(frame.recorded) for frame in frames} | {len(frame.played) for frame in frames}
     assert sizes == {FRAME_BYTES}, f"a frame has {FRAME_BYTES} bytes each way, not {sorted(sizes)}"

@@ -30,6 +30,8 @@ AGAIN_S = 1.0
 """How long after a device could not be opened again it is tried once more."""
 CLOSES_S = 5.0
 """How long a device may take to end."""
+LOST_S = 2.0
+"""After so long without a frame there is a fault."""
 LOOKS_S = 5.0
 """How long a second of sound may take to come."""
 AHEAD = 2
@@ -54,11 +56,20 @@ class DeviceSound(FrameLoop):
         self._is_wanted, self._lock = False, threading.Lock()
         self._frames: Worker | None = None
         self._ahead: deque[bytes] = deque()
-        self._at, self._asked_at = 0.0, 0.0
+        self._at, self._asked_at, self._came_at = 0.0, 0.0, 0.0
+        self._why = self._known = ""
+        """Why the device could not be opened again; the fault that was logged last."""
 
     @property
     def running(self) -> bool:
         return self._is_wanted
+
+    @property
+    def fault(self) -> str:
+        """See `SoundConnector`; the device has ended, or its sound system hangs."""
+        if not self._is_wanted or time.monotonic() - self._came_at < LOST_S:
+            return ""
+        return self._why or f"no sound has come from the device for more than {LOST_S:g} s"
 
     def start(self) -> None:
         """See `SoundConnector`."""
@@ -71,7 +82,16 @@ class DeviceSound(FrameLoop):
         except ConnectorError:
             self._frames.close(0.0)
             raise
-        self._is_wanted = True
+        self._came_at, self._why, self._known, self._is_wanted = time.monotonic(), "", "", True
+        self._frames.every(AGAIN_S, self._look)
+
+    def _look(self) -> None:
+        """Log a fault, and its end, once each."""
+        before, self._known = self._known, self.fault
+        if self._known and not before:
+            log.warning("%s; it is tried again", self._known)
+        elif before and not self._known:
+            log.warning("sound comes from the device again")
 
     def stop(self) -> None:
         """See `SoundConnector`."""
@@ -120,12 +140,13 @@ class DeviceSound(FrameLoop):
         try:
             stream = self._opened(_library())
         except ConnectorError as error:
-            log.warning("%s; it is tried again", error)
+            self._why = str(error)
         else:
             with self._lock:
                 if self._is_wanted:
                     self._stream, stream = stream, None
             _close(stream)
+            self._why = ""
             log.warning("the sound device ended, and was opened again")
             return
         if self._frames is not None:
@@ -134,7 +155,7 @@ class DeviceSound(FrameLoop):
     def _exchange(self, recorded: Any, out: Any, _count: int, _times: Any, status: Any) -> None:
         played, taken = self._ahead.popleft() if self._ahead else SILENCE, bytes(recorded)
         out[:] = played
-        frames, at = self._frames, self._stamp()
+        frames, at, self._came_at = self._frames, self._stamp(), time.monotonic()
         if status:
             log.debug("the sound device reports: %s", status)
         if frames is not None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import logging
 import multiprocessing
 import os
 import shutil
@@ -184,6 +185,40 @@ def test_what_is_spoken_into_the_microphone_is_printed(null_sinks: None) -> None
         listening.terminate()
         player.wait(30)
     assert found["text"] == "cancel the mission"
+
+
+def away_and_back() -> list[str]:
+    """The faults while a sound system is away, and once it is back; then what was logged."""
+    from rai_missions.connectors.sound.devices import DeviceSound
+
+    logged = list[str]()
+    handler = logging.Handler()
+    handler.emit = lambda record: logged.append(record.getMessage())  # type: ignore[method-assign]
+    logging.getLogger("rai_missions").addHandler(handler)
+    sound = DeviceSound("pulse", "pulse")
+    with null_server() as server:
+        sound.start()
+        waited(sound, 10)
+        faults = [sound.fault]
+        server.kill()
+        assert wait_until(lambda: bool(sound.fault))
+        faults.append(sound.fault)
+    with null_server():
+        waited(sound, 10)
+        assert wait_until(lambda: "device again" in logged[-1])
+        faults.append(sound.fault)
+        sound.stop()
+    return [*faults, *logged]
+
+
+@pytest.mark.long
+def test_a_sound_system_that_is_away_is_a_fault_until_it_is_back() -> None:
+    before, away, back, *logged = in_new_process(away_and_back)
+    assert (before, back) == ("", "")
+    assert away
+    found = [each.endswith("it is tried again") for each in logged if each.endswith(("tried again", "device again"))]
+    assert found == [True, False] * (len(found) // 2), f"a fault and its end are logged once each: {logged}"
+    assert found, "on a busy machine there may be others before"
 
 
 ENDS = """
