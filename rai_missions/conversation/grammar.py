@@ -278,7 +278,7 @@ class Grammar:
         if len(parts) > MOST_PARTS:
             parts = [parts[0], "", parts[-1]]
         spoken_words = [self.language.normaliser.words(part) for part in parts]
-        each = [self.sentence.senses(words, view, draft) for words in spoken_words]
+        each = [self.sentence.part(words, view, draft) for words in spoken_words]
         if STOP in each[0] or STOP in each[-1]:
             return (STOP,)
         if corrected := self._corrected_at_once(each[0], spoken_words[1:], view):

@@ -137,7 +137,7 @@ class OrderLists:
         if list(words) in self._no_parts or self._language.normaliser.bare(list(words)) in self._no_parts:
             return ()
         for form in (list(words), self._language.imperative(words)):
-            found = self._grammar.senses(form, view)
+            found = self._grammar.part(form, view)
             if found and all(sense.kind in ("order", "question") for sense in found):
                 return found
         return ()

@@ -96,10 +96,12 @@ class SentenceGrammar:
             if again and not is_fault(again):
                 return again
             found = found or again
-        return self._unsure(found, words)
+        return self._unsure(found, words, view)
 
-    def _unsure(self, senses: tuple[Sense, ...], words: Sequence[str]) -> tuple[Sense, ...]:
-        """An answer is to be read back where two places of options are named: `first, second`."""
+    def _unsure(self, senses: tuple[Sense, ...], words: list[str], view: StatusView) -> tuple[Sense, ...]:
+        """The senses of which the words leave doubt are partial: of `first, second`, and of a greeting to another."""
+        if any(each.kind == "question" and each.name in POLITE for each in senses):
+            return tuple(each._replace(is_partial=self._greets_another(words, view)) for each in senses)
         ordinals = self.language.data["ordinals"]
         places = {ordinals[word] for word in words if word in ordinals and len(word) > 1}  # "a" is an article too
         if len(places) < 2:
@@ -109,6 +111,11 @@ class SentenceGrammar:
     def _first(self, words: list[str], bare: list[str], view: StatusView, draft: Draft | None) -> tuple[Sense, ...]:
         """What the likeliest form of a sentence means that means something."""
         return next(filter(None, (self._words(each, view, draft) for each in self._forms(words, bare, view))), ())
+
+    def part(self, words: list[str], view: StatusView, draft: Draft | None = None) -> tuple[Sense, ...]:
+        """What one part of several means; a greeting to another, `hey Otto`, is not read: the rest may be for Otto."""
+        found = self.senses(words, view, draft)
+        return () if any(each.name in POLITE and each.is_partial for each in found) else found
 
     def open_texts(self, sense: Sense) -> list[str]:
         """The texts that a start has from the sentence for arguments that take any words."""
@@ -245,6 +252,12 @@ class SentenceGrammar:
         for auxiliary in self.language.data["auxiliaries"] if at < len(words) else ():
             yield [*words[:at], auxiliary, *words[at:]]
         yield words
+
+    def _greets_another(self, words: list[str], view: StatusView) -> bool:
+        """Whether a greeting has a name behind it that is none of this robot's."""
+        normaliser, names = self.language.normaliser, called(view.robot)
+        forms = (words, *(normaliser.bare(words, names, is_tail_first=each) for each in (False, True)))
+        return not any(self.language.questions[name].fits(form) for name in POLITE for form in forms)
 
     def _ungreeted(self, words: list[str]) -> Iterator[list[str]]:
         """The words after a greeting: `good morning, who are you?`; then the greeting, where they are but a name."""

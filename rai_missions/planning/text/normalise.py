@@ -155,8 +155,7 @@ class Normaliser:
         called, left = self._called(tuple(names)), self.spoken(words)
         while left:
             yield left
-            lead = (*called, *self._leads.get(left[0], ()))
-            left = left[len(next((each for each in lead if left[: len(each)] == each), left)) :]
+            left = left[len(next(self._leading(left, called), left)) :]
 
     def bare(self, words: list[str], names: Iterable[str] = (), *, is_tail_first: bool = False) -> list[str]:
         """The words without politeness, address and fillers.
@@ -170,17 +169,23 @@ class Normaliser:
         words = self.spoken(words)
         ways = (self._without_tail, self._without_lead)
         before: list[str] = []
-        while words != before:
+        while words != before and words not in called:  # of `rover 2` alone no `2` is left
             before = words
             for way in ways if is_tail_first else reversed(ways):
                 words = way(words, called)
         return words
 
     def _without_lead(self, words: list[str], called: list[list[str]]) -> list[str]:
+        lead = next((each for each in self._leading(words, called) if len(words) > len(each)), [])
+        return words[len(lead) :]
+
+    def _leading(self, words: list[str], called: list[list[str]]) -> Iterator[list[str]]:
+        """Each address or politeness that words begin with; of `rover2`, `rover` ahead of a number is another robot."""
         for each in (*called, *self._leads.get("".join(words[:1]), ())):
-            if len(words) > len(each) and words[: len(each)] == each:
-                return words[len(each) :]
-        return words
+            is_numbered = words[len(each) : len(each) + 1] and words[len(each)].isdigit()
+            is_another = is_numbered and any(name[:-1] == each and name[-1].isdigit() for name in called)
+            if words[: len(each)] == each and not is_another:
+                yield each
 
     def _without_tail(self, words: list[str], called: list[list[str]]) -> list[str]:
         for each in (*called, *self._tails.get("".join(words[-1:]), ())):
