@@ -23,9 +23,9 @@ __all__ = ("MissionReport", "Reports")
 
 AGAIN_S = 2.0
 """After a cut a report waits so long for the end of the person's sentence, then it is spoken over it."""
-RETRY_S = 5.0
-MOST_TRIES = 5
-"""Attempts with a speaker that fails without being known as dead."""
+RETRY_S, MOST_DOUBLINGS = 5.0, 4
+"""A speaker that fails without being known as dead, such as a topic whose broker is away, is tried again after so long;
+each time after twice as long, at last after 80 s."""
 HANDOVER_S = 2.0
 """A handover takes a moment: that the mission waits for control is reported where it lasts longer."""
 KEPT = 200
@@ -38,7 +38,7 @@ class MissionReport(NamedTuple):
     identity: str
     text: str
     priority: SpeechPriority
-    state: Literal["owed", "speaking", "spoken", "failed"] = "owed"
+    state: Literal["owed", "speaking", "spoken"] = "owed"
     due: float = 0.0
     """Of an owed one: the instant from which on it is spoken."""
     key: str = ""
@@ -176,10 +176,9 @@ class Reports:
             ended = report._replace(state="spoken")
         elif result == "cut":
             ended = report._replace(state="owed", uncut=True, due=at + AGAIN_S, tries=0)
-        elif report.tries >= MOST_TRIES:
-            ended = report._replace(state="failed", repeated=True)
         else:
-            ended = report._replace(state="owed", repeated=True, due=at + RETRY_S)
+            due = at + RETRY_S * 2 ** min(report.tries - 1, MOST_DOUBLINGS)
+            ended = report._replace(state="owed", repeated=True, due=due)
         self._all[report.identity] = ended
         return ended
 
@@ -191,7 +190,7 @@ class Reports:
         """The speaker speaks again: what it did not speak is owed."""
         self.is_speaker_alive = True
         for each in self._all.values():
-            if each.state == "failed" or (each.state == "owed" and each.tries):
+            if each.state == "owed" and each.tries:
                 self._all[each.identity] = each._replace(state="owed", due=at, tries=0)
 
     def wake_at(self) -> float | None:

@@ -213,6 +213,24 @@ def test_what_was_lost_and_is_not_spoken_is_noted_in_the_journal_of_the_next_run
     assert notes == [lost]
 
 
+@pytest.mark.parametrize("failing_s", [0.0, 20.0, 60.0, 3600.0])
+def test_an_end_is_reported_once_the_speaker_works_again_however_long_it_failed(failing_s: float) -> None:
+    dialogue, at, tries = Dialogue(view=RUNNING), 0.0, 0
+    outputs = dialogue.on_status(RUNNING._replace(mode="succeeded", outcome="succeeded"), at)
+    while at <= failing_s + 90.0:
+        spoken = [each for each in outputs if isinstance(each, Speech) and each.report == "r:end"]
+        tries += len(spoken)
+        if spoken and at >= failing_s:
+            assert spoken[-1].repeated == (tries > 1) and tries <= 5 + failing_s / 60
+            outputs = dialogue.on_speech_end(SpeechEnd(spoken[-1].key, "whole", at))
+            return
+        ends = (
+            dialogue.on_speech_end(SpeechEnd(each.key, "failed", at)) for each in outputs if isinstance(each, Speech)
+        )
+        outputs = tuple(chain(*ends)) or dialogue.on_time(at := at + 1.0)
+    raise AssertionError("the end was not reported")
+
+
 STOPS = {"interrupt": "because the program ends", "e-stop": "because of the stop", "loose": "may still move"}
 
 
