@@ -15,7 +15,7 @@ from rai_missions.agents.run_claims import claiming
 from rai_missions.agents.run_config import RunConfig, given_config
 from rai_missions.connectors.connector import Connector
 from rai_missions.connectors.python_robot import PythonRobot
-from rai_missions.errors import UsageError, suggestion
+from rai_missions.errors import UsageError, raised_text, suggestion
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
 from rai_missions.redaction import logger
@@ -113,7 +113,7 @@ class MissionAgent:
     def health(self) -> AgentHealth:
         """How the run fares; died, where it broke off. How a mission ended is no health of its agent."""
         if self.error is not None:
-            return AgentHealth("died", f"{type(self.error).__name__}: {self.error}")
+            return AgentHealth("died", raised_text(self.error))
         if self.result is not None:
             return AgentHealth("ended", self.result.outcome)
         view = self._prepared.runner.view

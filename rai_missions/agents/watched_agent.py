@@ -13,7 +13,7 @@ from typing import TypeVar, get_args, get_type_hints
 from rai_missions.agents.agent import Agent, AgentHealth, HasConnectors, ReportsHealth, StopsSlowly, reports_health
 from rai_missions.connectors.connector import Connector
 from rai_missions.connectors.worker import Worker
-from rai_missions.errors import in_words, raised_text
+from rai_missions.errors import raised_text
 from rai_missions.redaction import cut, cut_repr, logger
 
 __all__ = ("WatchedAgent",)
@@ -182,7 +182,7 @@ class WatchedAgent:
         if thread.is_alive():
             return AgentHealth("hangs", f"{what} has not returned within {time.monotonic() - began:.1f} s")
         if raised:
-            return AgentHealth("died", f"{what} raised {type(raised[0]).__name__}: {cut(in_words(raised[0]), 200)}")
+            return AgentHealth("died", f"{what} raised {cut(raised_text(raised[0]), 200)}")
         return None
 
 

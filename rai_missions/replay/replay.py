@@ -10,7 +10,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.step import Step, step_count
 from rai_missions.errors import Fault
 from rai_missions.journal import difference, read
@@ -41,7 +40,6 @@ class Replay(NamedTuple):
 
 def replay(
     path: Path | str,
-    ticker: Trees | None = None,
     on_step: Callable[[Step], object] | None = None,
     mission: Mission | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
@@ -50,7 +48,6 @@ def replay(
 
     Args:
         path: The journal.
-        ticker: What ticks trees, if not as compiled by the chart.
         on_step: Receives each step that was the same.
         mission: The mission, where its journal does not hold it: one with behaviours written in Python.
         progress: Receives how many steps were done again, and how many there are.
@@ -60,7 +57,7 @@ def replay(
         UsageError: There is no such journal.
     """
     with read(path) as record:
-        replayer = JournalReplayer(record, mission if mission is not None else mission_of(record), ticker)
+        replayer = JournalReplayer(record, mission if mission is not None else mission_of(record))
         chart, count, rows, found = replayer.chart, 0, 0, ""
         last = record.last()
         total = last.step.seq if last is not None else 0

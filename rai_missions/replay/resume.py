@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.engine import Chart
-from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError, Fault, UsageError
 from rai_missions.journal import Note, Record, StepRow, checked, difference
@@ -51,18 +50,12 @@ class Resumption(NamedTuple):
         return self.chart.at
 
 
-def resumption(
-    record: Record,
-    mission: Mission,
-    ticker: Trees | None = None,
-    named: Predicates | None = None,
-) -> Resumption:
+def resumption(record: Record, mission: Mission, named: Predicates | None = None) -> Resumption:
     """Do the steps of a journal again, to continue after the last.
 
     Args:
         record: The journal of the run that was cut short; whether its chain holds is looked at on the way.
         mission: The mission of its run.
-        ticker: What ticks trees, if not as compiled by the chart.
         named: The predicates that guards name.
 
     Raises:
@@ -72,7 +65,7 @@ def resumption(
     if record.header.played:
         sentence = f"the run of {record.path} was played by a person, and no robot is where it ended"
         raise UsageError(f"{sentence}: it cannot be continued; start a new one")
-    replayer, under = JournalReplayer(record, mission, ticker, named), InFlight()
+    replayer, under = JournalReplayer(record, mission, named=named), InFlight()
     chart, last, began, decisions = replayer.chart, None, 0.0, 0
     mode, mode_by = "", ""
     for row in checked(record):

@@ -15,14 +15,14 @@ from rai_missions.agents.text_to_speech import TextToSpeech
 from rai_missions.agents.voice_recognition import VoiceRecognition
 from rai_missions.connectors.sound.connector import SoundConnector
 from rai_missions.conversation import Speech
-from rai_missions.voice.listener import ListenSettings, Transcript
+from rai_missions.voice.listener import Transcript
 from rai_missions.voice.setup import ListenNames
 from rai_missions.voice.spoken_text import SpokenEnd, SpokenText
 
 __all__ = ("VoiceDoor",)
 
 CHANNEL = "voice"
-NAMES, SETTINGS = ListenNames(), ListenSettings()
+NAMES = ListenNames()
 
 
 class VoiceDoor:
@@ -32,7 +32,6 @@ class VoiceDoor:
         sound: Microphone and speaker.
         receive: `ConversationalAgent.receive`.
         names: Which recognisers and which wake word.
-        settings: The phrases that are expected, and times.
         voice: By name.
         on_fault: See `TextToSpeech`, and `VoiceRecognition`.
         patience_s: See `TextToSpeech`.
@@ -47,7 +46,6 @@ class VoiceDoor:
         receive: TakesSentence,
         *,
         names: ListenNames = NAMES,
-        settings: ListenSettings = SETTINGS,
         voice: str = "flite",
         on_fault: Callable[[str], object] | None = None,
         patience_s: float = 5.0,
@@ -59,7 +57,6 @@ class VoiceDoor:
         self.recognition = VoiceRecognition(
             sound,
             names=names,
-            settings=settings,
             on_transcript=self._take,
             on_present=self.speech.interrupt,
             on_fault=on_fault,

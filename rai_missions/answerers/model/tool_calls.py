@@ -15,7 +15,6 @@ from langchain_core.messages import HumanMessage, ToolMessage
 from langchain_core.tools import BaseTool
 
 from rai_missions.answerers.model.prompt import quoted
-from rai_missions.errors import in_words
 from rai_missions.redaction import cut
 from rai_missions.tools.result import outline
 
@@ -59,7 +58,7 @@ def look_up(tools: Mapping[str, BaseTool], call: Mapping[str, Any], clean: Calla
             text = found if _marks_data(tool) else quoted(found, len(result))
             status = made.status if isinstance(made, ToolMessage) else "success"
         except BaseException as error:  # noqa: BLE001 - the model is shown it, even an exit, and may choose without it
-            why = cut(in_words(error) or type(error).__name__, LONGEST_TEXT)
+            why = cut(error, LONGEST_TEXT) or type(error).__name__
             text, status = quoted(clean(f"failed: {why}")), "error"
     message = ToolMessage(text, tool_call_id=number, name=name, status=status)
     arguments = cut(clean(json.dumps(outline(call["args"]), ensure_ascii=False)), LONGEST_NOTE)

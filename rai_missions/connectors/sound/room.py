@@ -17,7 +17,6 @@ class RoomSound(FileSound):
 
     Args:
         person: What a person speaks: 16 kHz samples, or a WAV file.
-        played: A WAV file that is written with what was played.
         echo_db: How much quieter than it was played the echo returns; None for no echo.
         delay_ms: After which time it returns.
         tail: The room's own answer, as amplitudes at 16 kHz after the direct echo; empty for none.
@@ -29,7 +28,6 @@ class RoomSound(FileSound):
     def __init__(
         self,
         person: bytes | Path | str = b"",
-        played: Path | str | None = None,
         *,
         echo_db: float | None = -12.0,
         delay_ms: float = 60.0,
@@ -38,7 +36,7 @@ class RoomSound(FileSound):
         seed: int = 0,
         paced: bool = False,
     ) -> None:
-        super().__init__(person, played, paced=paced)
+        super().__init__(person, paced=paced)
         np = numpy()
         self._np, self._noise, self._random = np, noise, np.random.default_rng(seed)
         delay = int(delay_ms * RATE_HZ / 1000)
