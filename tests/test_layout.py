@@ -63,7 +63,6 @@ SHARED_NAMES = {
     "Limits": "public in both packages: of one answer, and of one proof",
     "NavigateToPose": "the action of nav2_msgs, served by each world, and the arguments of the tool of that name",
     "Plan": "`plan` of the format: a state that orders moves; and the moves",
-    "Thing": "of the simulated house; and one that is seen on a desk",
 }  # fmt: skip
 """A class name that several modules have → why."""
 

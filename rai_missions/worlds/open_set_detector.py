@@ -20,7 +20,7 @@ from rai_missions.worlds.camera import Frame
 from rai_missions.worlds.options import check_detector_options, is_down
 from rai_missions.worlds.perception.detections import Box2D, ObjectDetection
 
-__all__ = ("DetectorErrors", "OpenSetDetector", "Thing")
+__all__ = ("DetectorErrors", "ObjectClass", "OpenSetDetector")
 
 FEWEST_PIXELS = 40
 SURE_PIXELS = 1500
@@ -28,8 +28,8 @@ SURE_PIXELS = 1500
 SYNONYMS = {"mug": "cup", "flower": "plant", "seat": "chair", "human": "person", "man": "person", "woman": "person"}
 
 
-class Thing(NamedTuple):
-    """What a body of the model is."""
+class ObjectClass(NamedTuple):
+    """What a body of the model is, or is taken for."""
 
     kind: str
     colour: str
@@ -75,10 +75,10 @@ class OpenSetDetector:
 
     def __init__(
         self,
-        things: Mapping[int, Thing],
+        things: Mapping[int, ObjectClass],
         errors: DetectorErrors,
         seed: int,
-        lookalikes: Callable[[Thing], Sequence[Thing]],
+        lookalikes: Callable[[ObjectClass], Sequence[ObjectClass]],
         colours: Collection[str],
     ) -> None:
         self._things, self._errors, self._seed = things, errors, seed
@@ -124,7 +124,7 @@ class OpenSetDetector:
         name = next((name for name in names if self._means(name, thing)), "")
         return [ObjectDetection(name, round(score, 3), box)] if name and not is_missed else []
 
-    def _taken_for(self, thing: Thing, rng: random.Random) -> Thing:
+    def _taken_for(self, thing: ObjectClass, rng: random.Random) -> ObjectClass:
         is_wrong, other = rng.random() < self._errors.misclassify, rng.choice(self._lookalikes(thing))
         return other if is_wrong else thing
 
@@ -149,7 +149,7 @@ class OpenSetDetector:
             ObjectDetection(rng.choice(list(names)), round(rng.uniform(0.4, 0.8), 3), Box2D(x, y, x + size, y + size))
         ]
 
-    def _means(self, name: str, thing: Thing) -> bool:
+    def _means(self, name: str, thing: ObjectClass) -> bool:
         """Whether free words may mean a thing: they name its kind, and no other colour."""
         words = {SYNONYMS.get(word, word) for word in name.lower().replace("_", " ").split()}
         return thing.kind in words and not (words & self._colours) - {thing.colour}

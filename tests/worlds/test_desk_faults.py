@@ -17,7 +17,7 @@ from rai_missions.worlds.desk.detector import ClassifiedBody
 from rai_missions.worlds.desk.finger_contacts import FingerContacts
 from rai_missions.worlds.desk.look import SeenBody
 from rai_missions.worlds.desk.tracks import LEAD, Tracks
-from rai_missions.worlds.open_set_detector import Thing
+from rai_missions.worlds.open_set_detector import ObjectClass
 from tests.rigs.open_world import OpenWorld
 
 pytestmark = pytest.mark.sim
@@ -143,7 +143,7 @@ def test_with_one_look_in_ten_wrong_every_class_is_right() -> None:
 
 
 def sighting(x: float, colour: str = "red", sigma_m: float = 0.0005) -> ClassifiedBody:
-    return ClassifiedBody(Thing("cube", colour), SeenBody(1, x, 0.0, 0.022, 0.0, 1.0, sigma_m))
+    return ClassifiedBody(ObjectClass("cube", colour), SeenBody(1, x, 0.0, 0.022, 0.0, 1.0, sigma_m))
 
 
 def look(tracks: Tracks, times: int, seen: Sequence[ClassifiedBody], *, is_clear: bool = False) -> None:
@@ -221,7 +221,7 @@ def test_a_thing_that_is_gone_lends_its_name_to_no_two_and_to_none_that_was_ther
 
 def test_what_comes_to_lie_in_the_middle_of_a_tray_is_not_taken_for_it() -> None:
     def lying(kind: str, x: float, z: float) -> ClassifiedBody:
-        return ClassifiedBody(Thing(kind, ""), SeenBody(1, x, 0.0, z, 0.0, 1.0, 0.0005))
+        return ClassifiedBody(ObjectClass(kind, ""), SeenBody(1, x, 0.0, z, 0.0, 1.0, 0.0005))
 
     tracks = Tracks()
     look(tracks, LEAD, [lying("corn", 0.7, 0.022), lying("tray", 0.5, 0.015)])
@@ -379,7 +379,7 @@ def test_a_part_of_a_thing_that_is_taken_for_another_is_forgotten_once_the_thing
     """An arm before a carrot leaves an end of it in sight, which is measured in the desk and taken for corn."""
 
     def lying(kind: str, y: float, z: float) -> ClassifiedBody:
-        return ClassifiedBody(Thing(kind, ""), SeenBody(1, 0.3, y, z, math.pi / 2, 1.0, 0.001))
+        return ClassifiedBody(ObjectClass(kind, ""), SeenBody(1, 0.3, y, z, math.pi / 2, 1.0, 0.001))
 
     tracks = Tracks()
     look(tracks, LEAD, [lying("carrot", 0.0, 0.02)])

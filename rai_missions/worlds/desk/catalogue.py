@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rai_missions.worlds.meshes import Mesh
-from rai_missions.worlds.open_set_detector import Thing
+from rai_missions.worlds.open_set_detector import ObjectClass
 
 __all__ = (
     "CARROT", "COLOURS", "CORN", "CORN_HUSK", "KINDS", "WALL_M", "Kind", "Profile", "assets", "body",
@@ -135,11 +135,11 @@ def free_name(kind: str, colour: str, taken: Collection[str]) -> str:
     return next(name for name in chain([stem], numbered) if name not in taken)
 
 
-def lookalikes(thing: Thing) -> list[Thing]:
+def lookalikes(thing: ObjectClass) -> list[ObjectClass]:
     """The classes that a thing may be taken for: another kind, or the same kind in another colour."""
     if KINDS[thing.kind].has_colours:
-        return [Thing(thing.kind, other) for other in LOOKALIKES[thing.colour]]
-    return [Thing(other, "") for other in LOOKALIKES[thing.kind]]
+        return [ObjectClass(thing.kind, other) for other in LOOKALIKES[thing.colour]]
+    return [ObjectClass(other, "") for other in LOOKALIKES[thing.kind]]
 
 
 def body(name: str, kind: str, colour: str) -> str:

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.worlds.desk.catalogue import lookalikes
 from rai_missions.worlds.desk.look import SeenBody
-from rai_missions.worlds.open_set_detector import Thing
+from rai_missions.worlds.open_set_detector import ObjectClass
 from rai_missions.worlds.options import check_detector_options, is_down
 
 __all__ = ("ClassifiedBody", "LookClassifier", "LookErrors")
@@ -26,7 +26,7 @@ MOST_ERRORS = 0.1
 class ClassifiedBody(NamedTuple):
     """One thing in one look."""
 
-    thing: Thing
+    thing: ObjectClass
     seen: SeenBody
 
 
@@ -59,7 +59,7 @@ class LookClassifier:
         seed: Where its errors come from.
     """
 
-    def __init__(self, things: Mapping[int, Thing], errors: LookErrors, seed: int) -> None:
+    def __init__(self, things: Mapping[int, ObjectClass], errors: LookErrors, seed: int) -> None:
         self._errors, self._seed = errors, seed
         self._taken_for = {
             body: self._other(thing, random.Random(f"{seed} always {body}"), errors.persistent)
@@ -85,5 +85,5 @@ class LookClassifier:
                 found.append(ClassifiedBody(thing, seen))
         return found
 
-    def _other(self, thing: Thing, rng: random.Random, share: float) -> Thing:
+    def _other(self, thing: ObjectClass, rng: random.Random, share: float) -> ObjectClass:
         return rng.choice(lookalikes(thing)) if rng.random() < share else thing

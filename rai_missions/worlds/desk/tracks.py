@@ -16,7 +16,7 @@ from typing import Any
 from rai_missions.worlds.desk.catalogue import KINDS, WALL_M, free_name
 from rai_missions.worlds.desk.detector import ClassifiedBody
 from rai_missions.worlds.desk.look import SeenBody
-from rai_missions.worlds.open_set_detector import Thing
+from rai_missions.worlds.open_set_detector import ObjectClass
 
 __all__ = ("LEAD", "Tracks")
 
@@ -52,14 +52,14 @@ class ObjectTrack:
 
     def __init__(self, sighting: ClassifiedBody, number: int, since: int) -> None:
         self.number = number
-        self.classes: deque[Thing] = deque(maxlen=LOOKS)
+        self.classes: deque[ObjectClass] = deque(maxlen=LOOKS)
         self.poses: deque[SeenBody] = deque(maxlen=STILL_LOOKS)
         self.looks = 0
         self.since = self.shown = since
         """The look that shows it first, and the last one that gave it the class that it counts as."""
         self.seen_through = 0
         self.missed = 0
-        self.thing: Thing | None = None
+        self.thing: ObjectClass | None = None
         self.name = ""
         self.add(sighting)
 
@@ -133,7 +133,7 @@ class ObjectTrack:
         """Whether it moved when it was seen last, and has not been seen for a while."""
         return self.missed >= GONE and not self.is_still
 
-    def leading(self) -> Thing | None:
+    def leading(self) -> ObjectClass | None:
         """The class that leads every other one far enough."""
         (first, count), *rest = Counter(self.classes).most_common(2)
         return first if count - (rest[0][1] if rest else 0) >= LEAD else None

@@ -33,7 +33,7 @@ from rai_missions.worlds.desk.tracks import Tracks
 from rai_missions.worlds.desk.truth import DeskTruth, truth_of
 from rai_missions.worlds.detector_services import DetectorServices
 from rai_missions.worlds.frame_history import FrameHistory
-from rai_missions.worlds.open_set_detector import DetectorErrors, OpenSetDetector, Thing
+from rai_missions.worlds.open_set_detector import DetectorErrors, ObjectClass, OpenSetDetector
 from rai_missions.worlds.publish_queue import Outbox
 from rai_missions.worlds.simulation import Simulation
 
@@ -97,7 +97,7 @@ class Desk(Simulation):
         self._fingers = FingerContacts(self.model, self.objects)
         self._faults = FaultInjector(self.model, self.data, self.objects, wrong, seed)
 
-    def _detector(self, things: Mapping[int, Thing], seed: int, errors: LookErrors) -> DetectorServices | None:
+    def _detector(self, things: Mapping[int, ObjectClass], seed: int, errors: LookErrors) -> DetectorServices | None:
         if self._frames is None:
             return None
         boxes = DetectorErrors(miss=errors.miss, misclassify=errors.swap, down=errors.down)
@@ -151,10 +151,10 @@ class Desk(Simulation):
             self.arm.report(self.at)  # after the facts that its results rest on
         self._outbox.send()
 
-    def _things(self) -> dict[int, Thing]:
+    def _things(self) -> dict[int, ObjectClass]:
         """What each body of the model is that may be detected."""
         return {
-            int(self.model.body(object_name(number)).id): Thing(one.kind, one.colour)
+            int(self.model.body(object_name(number)).id): ObjectClass(one.kind, one.colour)
             for number, one in enumerate(self.objects)
         }
 

@@ -36,7 +36,7 @@ from rai_missions.worlds.house.rosbot import CAMERA_FOVY_DEG, RobotPose, Rosbot
 from rai_missions.worlds.house.scene import TIMESTEP_S, build, object_name, person_name
 from rai_missions.worlds.house.scene_file import read_scene
 from rai_missions.worlds.house.speech import FROM_HUMAN, Speech, sentences
-from rai_missions.worlds.open_set_detector import DetectorErrors, OpenSetDetector, Thing
+from rai_missions.worlds.open_set_detector import DetectorErrors, ObjectClass, OpenSetDetector
 from rai_missions.worlds.perception.finder import ObjectFinder
 from rai_missions.worlds.publish_queue import Outbox
 from rai_missions.worlds.simulation import Simulation
@@ -135,10 +135,10 @@ class House(Simulation):
         seer = OpenSetDetector(self._things(), errors, seed, lookalikes, COLOURS)
         return DetectorServices(self._frames, seer, self.since)
 
-    def _things(self) -> dict[int, Thing]:
+    def _things(self) -> dict[int, ObjectClass]:
         """What each body of the model is that may be detected."""
-        names = [(object_name(number), Thing(one.kind, one.colour)) for number, one in enumerate(self.objects)]
-        names += [(person_name(number), Thing("person", "")) for number in range(len(self.residents.people))]
+        names = [(object_name(number), ObjectClass(one.kind, one.colour)) for number, one in enumerate(self.objects)]
+        names += [(person_name(number), ObjectClass("person", "")) for number in range(len(self.residents.people))]
         return {int(self.model.body(name).id): thing for name, thing in names}
 
     @property
@@ -245,6 +245,6 @@ class House(Simulation):
         return len(self.judge.rooms) / len(ROOMS)
 
 
-def lookalikes(thing: Thing) -> list[Thing]:
+def lookalikes(thing: ObjectClass) -> list[ObjectClass]:
     """What a thing is taken for when it is taken for something else: another kind, of the same colour."""
-    return [Thing(kind, thing.colour) for kind in LOOKALIKES[thing.kind]]
+    return [ObjectClass(kind, thing.colour) for kind in LOOKALIKES[thing.kind]]
