@@ -39,20 +39,20 @@ def outside_m(kind: str, points: Points, camera: Points) -> Points | None:
 
     Args:
         kind: Of `KINDS`.
-        points: In the thing's own frame, m.
+        points: In the thing's own frame, m; as many axes as there are before the last one.
         camera: Where the camera is in that frame: of a cube, it sees the faces that look its way.
     """
     half = np.array(KINDS[kind].size) / 2
     if KINDS[kind].is_container:
         return None
     if kind == "cube":
-        outside: Points = np.max(points * np.sign(camera) - half, axis=1)
+        outside: Points = np.max(points * np.sign(camera) - half, axis=-1)
         return outside
     if kind in ("apple", "tomato"):
-        away: Points = (np.linalg.norm(points / half, axis=1) - 1) * half.mean()
+        away: Points = (np.linalg.norm(points / half, axis=-1) - 1) * half.mean()
         return away
     profile = np.array(CARROT if kind == "carrot" else (*CORN[:5], *CORN_HUSK[1:]))
-    radii: Points = np.hypot(points[:, 1], points[:, 2]) - np.interp(points[:, 0], profile[:, 0], profile[:, 1])
+    radii: Points = np.hypot(points[..., 1], points[..., 2]) - np.interp(points[..., 0], profile[:, 0], profile[:, 1])
     return radii
 
 

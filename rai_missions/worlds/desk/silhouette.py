@@ -3,6 +3,7 @@
 
 Rule: only what the pixels show counts. Where the outline borders on something nearer, the thing may continue behind
 it, so there a fitted shape may reach beyond the outline, but never fall short of it.
+Rule: poses are x, y, z and yaw, one a line; what is asked of several is asked at once.
 """
 
 from __future__ import annotations
@@ -39,6 +40,7 @@ HUBER = 2.5
 ROUNDS, SETTLED = 8, 1e-5
 STEPS = np.array([1e-4, 1e-4, 1e-4, 1e-3])
 """Of the numerical derivatives: x, y, z in m, yaw in rad."""
+ASIDE: Points = np.concatenate([np.zeros((1, 4)), np.diag(STEPS)])
 WEAK = 1e-3
 """Keeps the equations solvable where nothing is known of a coordinate."""
 
@@ -55,6 +57,8 @@ class ContourInFrame(NamedTuple):
     """Whether that is its own edge, not the edge of something in front of it."""
     points: Points
     """Some of what is seen of it, m."""
+    top_m: float
+    """How high that is, but for its highest points."""
 
 
 class Fit(NamedTuple):
@@ -96,9 +100,9 @@ def outline(frame: Frame, sight: Sight, body: int, world: Sequence[int]) -> Cont
     is_behind = np.isin(frame.body[v, u], world) | (frame.depth_m[v, u] > own + NEARER_M)
     some = np.linspace(0, len(lines) - 1, min(SAMPLES, len(lines))).astype(int)
     depth = frame.depth_m[lines[some], columns[some]].astype(float)
-    return ContourInFrame(
-        sight, (height, width), reach, inside & is_behind, unproject(pixels[some], depth, sight, (height, width))
-    )
+    points = unproject(pixels[some], depth, sight, (height, width))
+    top_m = float(np.quantile(points[:, 2], 0.97))
+    return ContourInFrame(sight, (height, width), reach, inside & is_behind, points, top_m)
 
 
 def unproject(pixels: Points, depth: Points, sight: Sight, size: tuple[int, int]) -> Points:
@@ -113,9 +117,9 @@ def project(points: Points, sight: Sight, size: tuple[int, int]) -> tuple[Points
     """Pixels (right, down) of points in the world, and their depth."""
     height, width = size
     local = (points - sight.position) @ sight.axes
-    depth = -local[:, 2]
-    right, down = local[:, 0] / depth * sight.focal_px, -local[:, 1] / depth * sight.focal_px
-    return np.stack([right + width / 2, down + height / 2], 1), depth
+    depth = -local[..., 2]
+    right, down = local[..., 0] / depth * sight.focal_px, -local[..., 1] / depth * sight.focal_px
+    return np.stack([right + width / 2, down + height / 2], -1), depth
 
 
 def fit(kind: str, outlines: Sequence[ContourInFrame]) -> Fit:
@@ -126,8 +130,9 @@ def fit(kind: str, outlines: Sequence[ContourInFrame]) -> Fit:
         outlines: At least one.
     """
     seen = np.concatenate([each.points for each in outlines])
-    middle = (np.quantile(seen, 0.05, axis=0) + np.quantile(seen, 0.95, axis=0)) / 2
-    middle[2] = np.quantile(seen[:, 2], 0.95) - KINDS[kind].size[2] / 2
+    low, high = np.quantile(seen, (0.05, 0.95), axis=0)
+    middle = (low + high) / 2
+    middle[2] = high[2] - KINDS[kind].size[2] / 2
     turns = KINDS[kind].turns
     middles = [middle]
     if kind == "cube":  # of which one face may be all that is seen: it is behind that
@@ -135,15 +140,15 @@ def fit(kind: str, outlines: Sequence[ContourInFrame]) -> Fit:
         middles.append(middle + np.array([*back[:2], 0.0]) / np.hypot(*back[:2]) * KINDS[kind].size[0] / 2)
     found = []
     for start in middles:
-        ranked = sorted((np.array([*start, yaw]) for yaw in _yaws(turns)), key=lambda each: _cost(kind, each, outlines))
+        ranked = _ranked(kind, np.array([[*start, yaw] for yaw in _yaws(turns)]), outlines)
         first = ranked[0]
         other_ways = [each for each in ranked if math.cos(each[3] - first[3]) < 0][:1] if turns == 1 else []
         found += [_settled(kind, each, outlines) for each in (first, *other_ways)]
-    pose = min(found, key=lambda each: _cost(kind, each, outlines))
+    pose = _ranked(kind, np.array(found), outlines)[0]
     spread = np.linalg.inv(_normal(kind, pose, outlines, 3)[0])
-    edges = np.concatenate([_edges(kind, pose, each) for each in outlines])
+    edges = np.concatenate([_edges(kind, pose[None], each)[0] for each in outlines])
     x, y, z, yaw = map(float, pose)
-    depths = np.concatenate([_depths(kind, pose, each) for each in outlines])
+    depths = np.concatenate([_depths(kind, pose[None], each)[0] for each in outlines])
     gap = 0.0 if KINDS[kind].is_container else float(np.quantile(np.abs(depths), 0.8)) * SIGMA_DEPTH_M
     return Fit(x, y, z, yaw, float(np.median(np.abs(edges))) * SIGMA_PX, gap, float(np.sqrt(np.max(spread.diagonal()))))
 
@@ -178,40 +183,42 @@ def _improved(kind: str, pose: Points, outlines: Sequence[ContourInFrame], free:
 
 def _normal(kind: str, pose: Points, outlines: Sequence[ContourInFrame], free: int) -> tuple[Points, Points]:
     """The normal equations at a pose: their matrix, and the slope of the cost."""
-    here = _residuals(kind, pose, outlines)
-    slopes = np.empty((len(here), free))
-    for axis in range(free):
-        aside = pose.copy()
-        aside[axis] += STEPS[axis]
-        slopes[:, axis] = (_residuals(kind, aside, outlines) - here) / STEPS[axis]
+    found = _residuals(kind, pose + ASIDE[: 1 + free], outlines)
+    here, slopes = found[0], ((found[1:] - found[0]) / STEPS[:free, None]).T
     weights = np.minimum(1.0, HUBER / np.maximum(np.abs(here), 1e-9))
     weighted = slopes * weights[:, None]
     return weighted.T @ slopes + np.eye(free) * WEAK, weighted.T @ here
 
 
-def _cost(kind: str, pose: Points, outlines: Sequence[ContourInFrame]) -> float:
-    here = np.abs(_residuals(kind, pose, outlines))
-    return float(np.sum(np.where(here < HUBER, here**2, 2 * HUBER * here - HUBER**2)))
+def _ranked(kind: str, poses: Points, outlines: Sequence[ContourInFrame]) -> Points:
+    """Poses in the order of their cost."""
+    apart = np.abs(_residuals(kind, poses, outlines))
+    costs = np.sum(np.where(apart < HUBER, apart**2, 2 * HUBER * apart - HUBER**2), axis=1)
+    ranked: Points = poses[np.argsort(costs, kind="stable")]
+    return ranked
 
 
-def _residuals(kind: str, pose: Points, outlines: Sequence[ContourInFrame]) -> Points:
-    parts = [part for each in outlines for part in (_edges(kind, pose, each), _depths(kind, pose, each))]
-    return np.concatenate(parts)
+def _residuals(kind: str, poses: Points, outlines: Sequence[ContourInFrame]) -> Points:
+    parts = [part for each in outlines for part in (_edges(kind, poses, each), _depths(kind, poses, each))]
+    return np.concatenate(parts, axis=1)
 
 
-def _edges(kind: str, pose: Points, seen: ContourInFrame) -> Points:
-    """How much farther than the shape the outline reaches, a direction, in sigmas."""
-    pixels, _ = project(corners(kind) @ about_z(pose[3]).T + pose[:3], seen.sight, seen.size)
-    short = seen.reach - np.max(pixels @ WAYS, axis=0)
+def _edges(kind: str, poses: Points, seen: ContourInFrame) -> Points:
+    """How much farther than the shape the outline reaches, a pose and direction, in sigmas."""
+    pixels, _ = project(corners(kind) @ _turns(poses).mT + poses[:, None, :3], seen.sight, seen.size)
+    short = seen.reach - np.max(pixels @ WAYS, axis=1)
     counted: Points = np.where(seen.is_edge, short, np.maximum(short, 0.0)) / SIGMA_PX
     return counted
 
 
-def _depths(kind: str, pose: Points, seen: ContourInFrame) -> Points:
-    """How far what is seen is from the shape's surface, in sigmas of the mean over a picture."""
-    turn = about_z(pose[3])
-    outside = outside_m(kind, (seen.points - pose[:3]) @ turn, (seen.sight.position - pose[:3]) @ turn)
+def _depths(kind: str, poses: Points, seen: ContourInFrame) -> Points:
+    """How far what is seen is from the shape's surface, a pose and point, in sigmas of the mean over a picture."""
+    turns, places = _turns(poses), poses[:, None, :3]
+    outside = outside_m(kind, (seen.points - places) @ turns, (seen.sight.position - places) @ turns)
     if outside is None:
-        top = np.quantile(seen.points[:, 2], 0.97) - KINDS[kind].size[2] / 2
-        return np.array([(top - pose[2]) / 0.001])
+        return (seen.top_m - KINDS[kind].size[2] / 2 - poses[:, 2:3]) / 0.001
     return np.clip(outside, -0.02, 0.02) / SIGMA_DEPTH_M
+
+
+def _turns(poses: Points) -> Points:
+    return np.array([about_z(yaw) for yaw in poses[:, 3]])
