@@ -3,8 +3,8 @@
 
 Rule: whatever may crash or hang is tried in a process of its own, within seconds.
 
-Imports `answerers`, `connectors`, `mission`, `profile`, `states`, `visualize`, `voice` and `worlds`, and the modules
-of the root.
+Imports `agents`, `answerers`, `connectors`, `mission`, `profile`, `states`, `visualize`, `voice` and `worlds`, and the
+modules of the root.
 """
 
 from __future__ import annotations

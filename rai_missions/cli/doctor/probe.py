@@ -14,7 +14,7 @@ import uuid
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from rai_missions.errors import MissionError
+from rai_missions.errors import DefinitionError, MissionError
 
 if TYPE_CHECKING:
     from rai_missions.connectors.connector import Connector, ConnectorMode, Message
@@ -73,8 +73,9 @@ def python_robot(file: str) -> dict[str, list[str]]:
     """What the robot in a Python file offers, by sort; nothing where the file makes one for each run.
 
     Raises:
-        DefinitionError: It offers none, or one whose rules are at fault.
+        DefinitionError: It offers none, or one whose rules, or how it talks, are at fault.
     """
+    from rai_missions.agents.talk.settings import conversation_faults
     from rai_missions.connectors.python_robot import PythonRobot
     from rai_missions.profile import profile_of, read_program
 
@@ -83,7 +84,8 @@ def python_robot(file: str) -> dict[str, list[str]]:
     robot = offered if callable(offered) and not isinstance(offered, PythonRobot) else program.robot()
     if not isinstance(robot, PythonRobot):
         return {}
-    profile_of(robot, None, program)
+    if faults := conversation_faults(profile_of(robot, None, program)):
+        raise DefinitionError(faults, file)
     sorts: Mapping[str, Mapping[str, object]] = {
         "facts": robot.fact_functions,
         "services": robot.service_functions,

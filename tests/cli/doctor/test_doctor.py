@@ -307,6 +307,11 @@ robot.rules["docked"] = [{"answer": %s}]
         (PYTHON_ROBOT + RULES % "7", "missing", "/rules/docked/0/answer: 7 is not text"),
         (PYTHON_ROBOT, "ok", "loads: facts x, docked; services horn; actions drive; topics none"),
         (PYTHON_ROBOT + "made = robot\ndef robot(): return made", "ok", "loads: it is made by robot(), once a run"),
+        (
+            PYTHON_ROBOT + "robot.conversation = {'phrases': {'drive (home': {}}}",
+            "missing",
+            "/conversation/phrases/drive (home: the phrase 'drive (home' is not closed",
+        ),
         ("robot = 5", "missing", "does not load"),
         ("import nowhere", "missing", "does not load"),
     ],
