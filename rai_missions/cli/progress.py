@@ -202,10 +202,10 @@ class Lines:
 
     def _wait(self, step: Step) -> None:
         """Once: what the mission must receive before it starts; until then nothing else counts."""
-        unheard = self._view.unheard if self._view is not None else ()
-        if unheard and not self._is_waiting:
+        unreported = self._view.unreported if self._view is not None else ()
+        if unreported and not self._is_waiting:
             self._is_waiting = True
-            self._print(f"{step.at:9.2f} s  waiting for the robot: {', '.join(unheard)}")
+            self._print(f"{step.at:9.2f} s  waiting for the robot: {', '.join(unreported)}")
 
     def end(self, result: Result, picture: str = "") -> None:
         """How it ended, and where everything is."""

@@ -119,7 +119,7 @@ class ChartView:
         return self._state.wake_at
 
     @property
-    def unheard(self) -> tuple[str, ...]:
+    def unreported(self) -> tuple[str, ...]:
         """The robot keys that the start waits for: never received, or stale whenever they were."""
         state, waited = self._state, self.mission.needed_facts()
         return tuple(name for name in waited if name not in state.board or name in state.outdated)

@@ -279,9 +279,9 @@ class Runner(RunCommands):
         self._write_arguments()
         until, rivalry = self._clock.now() + self.mission.ready_s, self._executor.rivalry
         rivalry.ask(actions_of(self.mission), self.mission.ready_s)
-        self._loop(lambda: chart.outcome is not None or not self._unheard or self._clock.now() >= until, until)
-        if self._unheard and chart.outcome is None:
-            missed = {name: self._executor.source(name) for name in self._unheard}
+        self._loop(lambda: chart.outcome is not None or not self._unreported or self._clock.now() >= until, until)
+        if self._unreported and chart.outcome is None:
+            missed = {name: self._executor.source(name) for name in self._unreported}
             sentence = refused(missed, self.mission.blackboard, self.mission.ready_s)
             raise UsageError(f"{sentence} Its profile notes: {self._about}" if self._about else sentence)
         until += SURVEYED_S
@@ -323,9 +323,9 @@ class Runner(RunCommands):
                 self._step(partial(chart.write, key, value, self._clock.now()))
 
     @property
-    def _unheard(self) -> tuple[str, ...]:
+    def _unreported(self) -> tuple[str, ...]:
         """What the robot has yet to report."""
-        return (*self._chart.unheard, *(() if self._executor.holder != "" else ("who holds control",)))
+        return (*self._chart.unreported, *(() if self._executor.holder != "" else ("who holds control",)))
 
     def _loop(self, done: Callable[[], bool], until: float = math.inf) -> None:
         while not done():

@@ -107,7 +107,7 @@ class OpenChoices:
             return
         keys = self._mission.blackboard
         given = {name: keys[name] for name in self._mission.needed_arguments() if name not in chart.view.board}
-        facts = {name: keys[name] for name in chart.unheard}
+        facts = {name: keys[name] for name in chart.unreported}
         if not given and not facts:
             yield _of(Event("start", kind="command"), "start", "the mission starts")._replace(is_awaited=True)
         if given:
