@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which other missions command the same robot: each node reports what its run commands, and compares.
+"""Which other missions command the same robot: each program reports what its run commands, and compares.
 
 Rule: it finds and names; what becomes of the two missions is for a person to decide.
 """
@@ -19,19 +19,20 @@ from rai_missions.redaction import cut
 __all__ = ("RUNS_TOPIC", "OtherMissions", "RunClaim", "warning_of")
 
 RUNS_TOPIC = "/rai_missions/runs"
-"""Where every node reports its run, once a second."""
+"""Where every program reports its run, once a second."""
 FORGET_S = 5.0
 """A run of which nothing was received for so long, in seconds, is over."""
 MOST, LONGEST, NAMED = 64, 200, 4
-"""Runs that are known at a time, and pairs that were named; characters of another node's text; names in a sentence."""
+"""Runs that are known at a time, and pairs that were named; characters of a text of others; names in a sentence."""
 
 
 class RunClaim(NamedTuple):
     """What a run commands while it lasts."""
 
     instance: str
-    """Of the node's process."""
+    """Of the program."""
     node: str
+    """Its full name; empty for a program without a node."""
     mission: str
     run: str
     commands: frozenset[str] = frozenset()
@@ -43,7 +44,7 @@ class RunClaim(NamedTuple):
 
 
 class OtherMissions:
-    """The runs of other nodes, as far as they have reported."""
+    """The runs of other programs, as far as they have reported."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -52,7 +53,7 @@ class OtherMissions:
         """What was named last: the own run, the other's instance and its run."""
 
     def receive(self, text: str, at: float) -> None:
-        """A node has reported its run.
+        """A program has reported its run.
 
         Args:
             text: What was published; anything else is left out.
@@ -70,7 +71,7 @@ class OtherMissions:
         """The others that command what this run commands; `commands` of each has only what both do.
 
         Args:
-            own: What this node publishes.
+            own: What this program publishes.
             at: Seconds on the clock of `receive`.
         """
         with self._lock:
