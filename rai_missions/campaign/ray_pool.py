@@ -56,7 +56,7 @@ class RayWorker:
         return list(self._place.work(task))
 
 
-class Work(NamedTuple):
+class RayTask(NamedTuple):
     """A worker and the task that it has."""
 
     actor: Any
@@ -87,7 +87,7 @@ class RayPool:
         self._settings, self._is_stopped = settings, False
         self._tasks: deque[tuple[SceneTask, int]] = deque()
         self._beginning: dict[Any, Any] = {}
-        self._busy: dict[Any, Work] = {}
+        self._busy: dict[Any, RayTask] = {}
         self._failed_starts = 0
         words: dict[str, Any] = {"address": address} if address else {"address": "local", "num_cpus": settings.workers}
         try:
@@ -175,7 +175,7 @@ class RayPool:
         """A task for a worker; without one the worker ends, and its core is free for others."""
         if self._tasks and not self._is_stopped:
             task, deaths = self._tasks.popleft()
-            self._busy[actor.work.remote(task)] = Work(actor, pid, task, deaths)
+            self._busy[actor.work.remote(task)] = RayTask(actor, pid, task, deaths)
 
     def _again(self, task: SceneTask, deaths: int, why: str) -> Iterator[CellRecord]:
         """Have a task done by another worker; after too many deaths its cells have failed."""

@@ -29,13 +29,13 @@ from rclpy.waitable import NumberOfEntities, Waitable
 
 from rai_missions.connectors.ros2.notifications import Notifications, sources_of
 from rai_missions.connectors.ros2.turns import answer_request, take_message, take_response
+from rai_missions.connectors.worker import Work
 from rai_missions.redaction import logger
 
 __all__ = ("SingleThreadExecutor",)
 
 log = logger(__name__)
 
-Work = Callable[[], None]
 Take = Callable[[Any], bool]
 LONGEST_S = 1e6
 CLOCK = "/clock"

@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from rai_missions.connectors.ros2.endpoints import NO_PEERS, are_gone, servers_of_action
-from rai_missions.connectors.ros2.node_thread import Runtime, Work
+from rai_missions.connectors.ros2.node_thread import Runtime
 from rai_missions.connectors.ros2.rivals import ObservedClient
 from rai_missions.connectors.ros2.services import MANY, WATCH_S, InFlightLimit
+from rai_missions.connectors.worker import Work
 
 if TYPE_CHECKING:
     from rai_missions.connectors.ros2.remote_goal import RemoteGoal

@@ -10,7 +10,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rai_missions.connectors.ros2.node_thread import Work
+from rai_missions.connectors.worker import Work
 
 __all__ = ("MessageSorter",)
 

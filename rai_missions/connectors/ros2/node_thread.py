@@ -29,15 +29,15 @@ from rai_missions.connectors.ros2.config import Options
 from rai_missions.connectors.ros2.executor import SingleThreadExecutor
 from rai_missions.connectors.ros2.fastdds import carried
 from rai_missions.connectors.ros2.notifications import open_notifications
+from rai_missions.connectors.worker import Work
 from rai_missions.errors import ConnectorError, UsageError
 from rai_missions.redaction import logger
 
-__all__ = ("Runtime", "Work", "guarded")
+__all__ = ("Runtime", "guarded")
 
 log = logger(__name__)
 
 T = TypeVar("T")
-Work = Callable[[], object]
 LOOK_S = 0.02
 """How often someone who is awaited is looked for."""
 IDLE_S = 1.0

@@ -12,9 +12,9 @@ from action_msgs.msg import GoalStatusArray
 from rclpy.qos import qos_profile_action_status_default
 
 from rai_missions.connectors.connector import Report
-from rai_missions.connectors.ros2.node_thread import Work
 from rai_missions.connectors.ros2.remote_goal import End, RemoteGoal
 from rai_missions.connectors.ros2.rivals import statuses_in
+from rai_missions.connectors.worker import Work
 
 __all__ = ("RecoveredGoal",)
 

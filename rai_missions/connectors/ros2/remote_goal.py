@@ -20,8 +20,9 @@ from rai_missions.connectors.connector import OnReport, Report
 from rai_missions.connectors.ros2.endpoints import NO_PEERS, Peers, are_replaced
 from rai_missions.connectors.ros2.goal_client import PRESS_S, QUIET_S, STEP_S, GoalClient
 from rai_missions.connectors.ros2.messages import goal_id_to_bytes, to_data
-from rai_missions.connectors.ros2.node_thread import Work, guarded
+from rai_missions.connectors.ros2.node_thread import guarded
 from rai_missions.connectors.ros2.rivals import Sightings
+from rai_missions.connectors.worker import Work
 from rai_missions.redaction import logger
 
 __all__ = ("End", "RemoteGoal")

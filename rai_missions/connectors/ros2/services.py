@@ -19,8 +19,9 @@ from rai_missions.connectors.answers import ask
 from rai_missions.connectors.connector import Answer, Data, OnReply, Reply
 from rai_missions.connectors.ros2.endpoints import Peers, are_gone, servers_of_service, types_of_service
 from rai_missions.connectors.ros2.messages import name_of, to_data, to_message
-from rai_missions.connectors.ros2.node_thread import Runtime, Work, guarded
+from rai_missions.connectors.ros2.node_thread import Runtime, guarded
 from rai_missions.connectors.stamps import ReadingDate
+from rai_missions.connectors.worker import Work
 from rai_missions.errors import raised_text
 from rai_missions.redaction import logger
 

@@ -27,13 +27,14 @@ from rai_missions.connectors.connector import (
 from rai_missions.connectors.ros2.action_server import ServedAction
 from rai_missions.connectors.ros2.config import Options
 from rai_missions.connectors.ros2.goal_client import GoalClient
-from rai_missions.connectors.ros2.node_thread import Runtime, Work, guarded
+from rai_missions.connectors.ros2.node_thread import Runtime, guarded
 from rai_missions.connectors.ros2.publishers import Publication
 from rai_missions.connectors.ros2.recovered_goal import RecoveredGoal
 from rai_missions.connectors.ros2.remote_goal import End, RemoteGoal
 from rai_missions.connectors.ros2.services import Client, Service
 from rai_missions.connectors.ros2.subscriptions import Listener, Subscriptions
 from rai_missions.connectors.stamps import ReadingDate, dated, stamp_of
+from rai_missions.connectors.worker import Work
 from rai_missions.errors import UsageError, raised_text
 from rai_missions.redaction import logger
 
