@@ -79,8 +79,11 @@ class Comparisons:
         self._brought_as: list[tuple[str, str]] = []
         """A path that an event, a result or an answer brings, and what it was taken from or is kept under."""
         self._copied: set[str] = set()
+        """Keys that are set from another path."""
         self._sources: set[str] = set()
+        """What they are set from."""
         self._odd: set[str] = set()
+        """Paths of which a few values represent less than all, by how they are compared."""
         self._learn(mission, terms)
 
     def _learn(self, mission: Mission, terms: RobotFacts) -> None:
