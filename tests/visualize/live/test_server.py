@@ -10,6 +10,7 @@ import socket
 import ssl
 import subprocess
 import time
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -248,6 +249,29 @@ def test_a_client_that_leaves_in_the_midst_of_its_order_costs_no_traceback(
         assert ask(run.page, "GET", "/mission")[0] == 200, "its head has come by now"
     run.page.stop()
     assert caplog.records == []
+
+
+HALF, UNKNOWN = b"GET / HTTP/1.1\r\nX-Mission", b"GET /mission HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n"
+
+
+@pytest.mark.parametrize("message", [b"", HALF, UNKNOWN], ids=["nothing", "half a head", "no token"])
+def test_connections_of_strangers_keep_no_order_out_and_are_bounded(run: Run, message: bytes) -> None:
+    viewer = Viewer(run.page)
+    until(lambda: viewer.seen, "something comes")
+    with ExitStack() as open_:
+        before = len(os.listdir("/proc/self/fd"))
+        lines = []
+        for _ in range(400):
+            lines.append(open_.enter_context(socket.create_connection(("127.0.0.1", run.page.port), timeout=30)))
+            lines[-1].sendall(message.replace(b"{port}", str(run.page.port).encode()))
+        order = json.dumps({"command": "e_stop"}).encode()
+        assert ask(run.page, "POST", "/orders", order)[0] == 200
+        assert run.sink.orders == [order.decode()]
+        taken = len(os.listdir("/proc/self/fd")) - before - len(lines)
+        assert taken <= impatient.MOST_CONNECTIONS + 2, "on the side of the server, which is in this process"
+    seen = len(viewer.kinds)
+    until(lambda: len(viewer.kinds) > seen, "who watches is not cut off")
+    viewer.cut()
 
 
 def test_a_viewer_is_not_cut_off(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
