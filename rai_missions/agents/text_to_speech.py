@@ -30,7 +30,7 @@ CLOSES_S = 3.0
 
 
 class SpokenMessage(NamedTuple):
-    """A message that is spoken."""
+    """A text on its way to the speaker, and what became of it there before."""
 
     text: str
     is_report: bool = False

@@ -16,7 +16,7 @@ __all__ = ("ReadingDate", "dated", "stamp_of")
 
 
 class ReadingDate(NamedTuple):
-    """The date of a reading."""
+    """When a reading was so, by the clock of the run and by that of its sender."""
 
     at: float
     """Seconds on the run's clock from which its age counts: negative before the run began, never after the receipt."""

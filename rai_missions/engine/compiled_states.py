@@ -130,7 +130,7 @@ class CompiledState:
 
 
 class CompiledTransition:
-    """A transition compiled."""
+    """A transition with its targets as states, its guard as a function and its effects as acts on a run."""
 
     __slots__ = (
         "acts", "condition", "definition", "internal", "outcomes", "place", "source", "targets", "test", "uses_history",

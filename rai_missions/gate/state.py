@@ -129,7 +129,7 @@ class Answer(NamedTuple):
 
 
 class PublishStatus(NamedTuple):
-    """The status is published."""
+    """Publish who holds control, and how much was passed and refused."""
 
     gate: Gate
 

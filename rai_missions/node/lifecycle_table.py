@@ -12,7 +12,7 @@ __all__ = ("ACTS", "STATES", "TRANSITIONS", "NodeState", "NodeTransition", "leav
 
 
 class NodeState(NamedTuple):
-    """A state of the node."""
+    """One of the standard lifecycle, by the number and the name that `lifecycle_msgs` gives it."""
 
     id: int
     label: str

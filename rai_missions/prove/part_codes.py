@@ -46,7 +46,7 @@ class PartCodes:
         return self._head(spot, answer) << self._width
 
     def head_of(self, code: int) -> int:
-        """The head of a code."""
+        """The number of the frame and of what matters of the store: what is left of a code without its parts."""
         return code >> self._width
 
     def inner(self, code: int) -> int:

@@ -45,7 +45,7 @@ LEAST_BEHIND_S = 0.24
 
 
 class ListenSettings(NamedTuple):
-    """What is listened for."""
+    """Which phrases are expected, which of them count at once, and when a turn begins and ends."""
 
     phrases: tuple[str, ...] = PHRASES
     """In lower case without punctuation; the second recogniser knows no others."""

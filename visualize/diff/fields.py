@@ -213,7 +213,7 @@ def effects_changed(before: Any, after: Any, spot: FieldRef, word: str, why: Seq
 
 
 def as_words(value: Any) -> str:
-    """A value in words."""
+    """A value as a list of changes has it: texts in quotes, effects in one line, `nothing` where there is none."""
     if isinstance(value, MissionModel):
         return template_words(value.written())
     if isinstance(value, tuple) and value and all(hasattr(item, "words") for item in value):

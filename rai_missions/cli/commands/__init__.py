@@ -37,7 +37,7 @@ def names() -> tuple[str, ...]:
 
 
 def load_command(name: str) -> Command:
-    """The command of that name."""
+    """Import a command; the module of one that is a word of Python, such as `try`, ends with `_`."""
     own = f"{name}_" if iskeyword(name) else name
     return cast(Command, getattr(importlib.import_module(f"{__name__}.{own}"), own))
 

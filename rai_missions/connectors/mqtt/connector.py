@@ -326,7 +326,7 @@ class MqttConnector:
                 self._link.publish(to, encode({"why": str(fault)}), words)
 
     def _reply(self, answer: Data) -> Reply:
-        """The reply that an answer is."""
+        """What a server sent back: `data` where it has done it, `why` where it has not."""
         data = answer.get("data")
         if isinstance(data, Mapping):
             return Reply("succeeded", data, age_s=self._date(data).age_s)

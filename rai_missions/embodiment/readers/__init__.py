@@ -22,7 +22,7 @@ __all__ = ("FORMATS", "DocumentFormat", "read_document")
 
 
 class DocumentFormat(NamedTuple):
-    """A format of documents."""
+    """How files of one ending are read, and how large they may be."""
 
     read: Callable[[str, bytes], TextDocument]
     """Takes a file's name and bytes; raises `ValueError` with what is wrong and what would be right."""

@@ -111,7 +111,7 @@ class SetLeaf(TreeNode, word="set"):
     ) -> None: ...
 
     def effect(self) -> Set:
-        """The effect that it is."""
+        """The same as an effect of a transition has it."""
         given = {"value": self.value, "from_": self.from_, "add": self.add}
         return Set(set=self.set, **{word: value for word, value in given.items() if value is not None})
 

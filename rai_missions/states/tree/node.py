@@ -23,7 +23,7 @@ INSTEAD: Mapping[str, str] = {
 
 
 class TreeNode(TaggedModel, family=TREE):
-    """A node of a tree."""
+    """One word of a tree as data, such as a sequence or a call, with what is below it."""
 
     limits: ClassVar[bool] = False
     """What is below it ends in time."""
