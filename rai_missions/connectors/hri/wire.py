@@ -23,6 +23,8 @@ __all__ = ("TYPE", "message_from_data", "message_to_data")
 TYPE = "rai_interfaces/msg/HRIMessage"
 FIELDS = frozenset(("text", "images", "audios", "communication_id", "seq_no", "seq_end"))
 """What has none of these is of another form; taken with its defaults it would be an empty message."""
+OLDEST_S = 1e10
+"""A stamp is a number that anyone wrote; an age goes back to 1970, and no further than to be spoken."""
 
 
 def message_to_data(message: HRIMessage, at: float = 0.0) -> dict[str, Any]:
@@ -71,7 +73,7 @@ def message_from_data(data: Data, author: Author, place: str = "", age_s: float 
             data.get("communication_id", ""),
             data.get("seq_no", 0),
             data.get("seq_end", False),
-            max(0.0, age_s or 0.0),
+            min(max(0.0, age_s or 0.0), OLDEST_S),
         )
     except UsageError as fault:
         raise ConnectorError(f"{place or TYPE}: {fault}") from None

@@ -489,10 +489,10 @@ def test_an_order_that_was_sent_long_ago_does_not_count_and_a_stop_does() -> Non
             connector.publish(FROM_HUMAN, TYPE, {"text": text, "seq_end": True, **stamp})
             return received.wait(lambda all_: any(reply in each.text for each in all_[before:]), text)[-1].text
 
-        for ago_s, age in ((600.0, "10 min"), (11.5, "s"), (2e6, "min")):
+        for ago_s, age in ((600.0, "10 min"), (11.5, "s"), (1e300, "min")):
             for order in ("pause", "cancel the mission", "could you please pause now"):
                 refusal = send(order, "Please give it again", ago_s=ago_s)
-                assert f"{age} ago" in refusal and "an order counts for 10 s" in refusal
+                assert f"{age} ago" in refusal and "an order counts for 10 s" in refusal and len(refusal) < 200
         assert not talk.rig.move.canceled and talk.rig.runner.view.mode == "running"
         send("what are you doing?", "moves to the shed", ago_s=600.0)
         send("cancel the mission", "Is that right?", ago_s=0.0)
