@@ -201,16 +201,26 @@ def _answers_a_call_later(connector: Connector, *_: Any) -> None:
     assert replies.wait(lambda all_: len(all_) == 3, "the answer was given up")[2].outcome == "failed", replies.all
 
 
-def _reports_why_a_call_failed(connector: Connector, *_: Any) -> None:
-    def answer(_request: Data) -> Data:
-        raise ValueError("no lamp")
+class _Wordless(Exception):
+    """What a stranger may raise: its text raises."""
 
-    replies: Inbox[Reply] = Inbox()
+    def __str__(self) -> str:
+        raise ValueError("no words")
+
+
+def _reports_why_a_call_failed(connector: Connector, *_: Any) -> None:
+    faults = iter((ValueError("no lamp"), _Wordless()))
+
+    def answer(_request: Data) -> Data:
+        raise next(faults)
+
     connector.serve("/check/service", TRIGGER, answer)
-    connector.call("/check/service", TRIGGER, {}, on_reply=replies, timeout_s=5.0)
-    (reply,) = replies.wait(bool, "the service raised")
-    assert reply.outcome in ("failed", "timed_out"), reply
-    assert reply.outcome == "timed_out" or "no lamp" in reply.why, reply
+    for why in ("no lamp", "_Wordless"):
+        replies: Inbox[Reply] = Inbox()
+        connector.call("/check/service", TRIGGER, {}, on_reply=replies, timeout_s=5.0)
+        (reply,) = replies.wait(bool, f"the service raised: {why}")
+        assert reply.outcome in ("failed", "timed_out"), reply
+        assert reply.outcome == "timed_out" or why in reply.why, reply
 
 
 def _reports_that_no_server_offers(connector: Connector, *_: Any) -> None:
