@@ -48,7 +48,9 @@ class ClaimWords:
         self.past_pattern, self._progressive = self.pattern("past_pattern"), self.pattern("progressive_pattern")
         self._past, self._place = frozenset(data["past"]), self.pattern("place_pattern")
         self._tails = [tuple(each.split()) for each in data["tails"]]
-        self._counted = re.compile(rf"\b(?:{data['counted_pattern']})", re.IGNORECASE)
+        self._counted, self._percent = (
+            re.compile(rf"\b{data[f'{name}_pattern']}", re.IGNORECASE) for name in ("counted", "percent")
+        )
         joining = rf"(?:{data['joining_pattern']})\s+"
         self._joints = re.compile(rf"\s*(?:{PAUSE})\s*(?:{joining})*|\s+(?:{joining})+", re.IGNORECASE)
         self.self_words = frozenset(data["self"])
@@ -92,8 +94,12 @@ class ClaimWords:
         return [each for each in self._joints.split(text) if self.words(each)]
 
     def is_counted(self, text: str) -> bool:
-        """Whether a text has a share, such as `3 of 4`, `four of four` or `75 %`: how far something is."""
+        """Whether a text has a share of a number of things, such as `3 of 4` or `four of four`."""
         return self._counted.search(text) is not None
+
+    def has_percent(self, text: str) -> bool:
+        """Whether a text has a share of anything, such as `75 %`."""
+        return self._percent.search(text) is not None
 
     def share(self, words: Sequence[str]) -> float:
         """How many of the words are the language's small words; 0 to 1."""

@@ -106,6 +106,8 @@ class Claims:
         kind = self.why_suspected(clause, view)
         if kind in CERTAIN and kind != "language":
             return kind
+        if self._own.harmless.fits(self._own.words(clause)):
+            return ""
         if kind in UNKNOWN:
             most = MOST_OF_CLAUSE
         elif len(clause.split()) <= SHORT:
@@ -139,7 +141,10 @@ class Claims:
             return "script"
         if not words:
             return "script" if sentence.strip(" \n.!?…-") else ""
-        if any(rules.words.is_counted(each) for each in (text, PAUSES.sub(" ", text)) for rules in self._every):
+        shares = [(rules.words, each) for each in (text, PAUSES.sub(" ", text)) for rules in self._every]
+        if any(their.is_counted(each) for their, each in shares):
+            return "result"
+        if any(their.has_percent(each) for their, each in shares):
             return "progress"
         if self._own.harmless.fits(words):
             return ""

@@ -74,7 +74,7 @@ class JudgedSentence:
     def _judge(self, words: list[str]) -> ClaimKind:
         rules = self._rules
         if rules.whole_idioms.fits(words) or any(rules.whole_idioms.fits(each) for each in self._clauses):
-            return "idiom"
+            return "result"
         if rules.idioms.within(words) or any(rules.whole_idioms.fits(each) for each in self._bare_clauses()):
             return "idiom"
         if self._has_result(words):

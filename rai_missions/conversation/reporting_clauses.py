@@ -180,7 +180,8 @@ class ReportingClauses:
         begun = rules.quantities | rules.definite | rules.possessive | rules.negations
         if bare and rules.verb_second and bare[0] not in begun:  # `bei Baum 18 hat die Pumpe ausgesetzt`
             bare = next((bare[at + 1 :] for at, word in enumerate(bare) if word in rules.perfect), [])
-        return bool(bare) and bare[0] in begun - rules.objective
+        is_numbered = any(each.isdigit() for each in bare[:2])  # `number 14 has calved`
+        return is_numbered or (bool(bare) and bare[0] in begun - rules.objective)
 
     def is_scene(self, words: Sequence[str]) -> bool:
         """Whether a clause that a certain thing begins reports its place, its past, or what is here and now.

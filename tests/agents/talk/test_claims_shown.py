@@ -7,6 +7,7 @@ The dialogue alone is judged in `tests/conversation/test_hostile_models.py`, wit
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import pytest
 from langchain_core.messages import AIMessage, BaseMessage
@@ -57,6 +58,11 @@ class Aloud(TextDoor):
         on_end("whole")
 
 
+def has_judged(talk: Talk, least: int) -> bool:
+    """Whether sentences of so many replies have been judged."""
+    return len({row["request"] for row in talk.talk() if row["kind"] == "model_text"}) >= least
+
+
 def reached(replies: Sequence[str]) -> Mapping[str, str]:
     """What a reader of each door reads of all that was shown of these replies, each to a question from that door."""
     connector, received = LocalConnector(), Inbox[HRIMessage]()
@@ -68,12 +74,13 @@ def reached(replies: Sequence[str]) -> Mapping[str, str]:
     with Talk(mission(WORKING), clock=WallClock(), model=model, doors=[door, aloud]) as talk:
         door.open(talk.agent.receive)
         talk.screen.until(lambda line: "started" in line.text)
-        for number, _ in enumerate(replies):
-            talk.order(QUESTION["en"])
-            settle(talk.agent)
-            person.send(HRIMessage(QUESTION["en"], name="Ada", communication_id=str(number)), FROM_HUMAN)
-            settle(talk.agent)
-            talk.agent.receive(QUESTION["en"], role="operator", channel="voice", author="Anna")
+        for number in range(1, len(model.replies) + 1):
+            if number % 3 == 0:
+                person.send(HRIMessage(QUESTION["en"], name="Ada", communication_id=str(number)), FROM_HUMAN)
+            else:
+                channel = ("terminal", "voice")[number % 3 - 1]
+                talk.agent.receive(QUESTION["en"], role="operator", channel=channel, author="Anna")
+            talk.until(partial(has_judged, talk, number))
             settle(talk.agent)
     hri.close()
     person.close()
