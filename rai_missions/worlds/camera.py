@@ -20,6 +20,8 @@ from rai_missions.worlds.renderers import Renderers
 __all__ = ("Camera", "Frame", "Moment", "Sight")
 
 FRONT = "front"
+AS_NUMBERS = [int(mujoco.mjtRndFlag.mjRND_SEGMENT), int(mujoco.mjtRndFlag.mjRND_IDCOLOR)]
+"""What has each shape drawn in the colour that is its number."""
 
 
 class Moment(NamedTuple):
@@ -76,7 +78,7 @@ class Camera:
         self._frame_size = frame_height, frame_width
         self._is_checked = is_checked
         self._scratch = mujoco.MjData(model)
-        self._bodies = np.append(np.asarray(model.geom_bodyid), -1)
+        self._bodies = np.asarray(model.geom_bodyid)
         self._has_fog = any(model.numeric(n).name == "fog" for n in range(model.nnumeric))
         self._paint = paint
         self._renderers = Renderers(model, paint)
@@ -170,15 +172,20 @@ class Camera:
             renderer.disable_depth_rendering()
 
     def _segments(self, moment: Moment, size: tuple[int, int], camera: str) -> NDArray[np.int32]:
-        renderer = self._renderers.of(*size)
-        renderer.enable_segmentation_rendering()
+        """The body of each pixel; MuJoCo's renderer finds a kind and a number of each, in four times as long."""
+        renderer = self._at(moment, size, camera)
+        scene = renderer.scene
+        scene.flags[AS_NUMBERS] = 1
         try:
-            seen = self._render(moment, size, camera)
+            colours = renderer.render()
         finally:
-            renderer.disable_segmentation_rendering()
-        # int(): numpy compares with an enum member pixel by pixel, in Python
-        geom = np.where(seen[..., 1] == int(mujoco.mjtObj.mjOBJ_GEOM), seen[..., 0], -1)
-        bodies: NDArray[np.int32] = self._bodies[geom]
+            scene.flags[AS_NUMBERS] = 0
+        numbers = sum(colours[..., n].astype(np.int32) << 8 * n for n in range(-(-scene.ngeom.bit_length() // 8)))
+        body_of = np.full(scene.ngeom + 1, -1, np.int32)
+        for shape in scene.geoms[: scene.ngeom]:
+            if shape.segid >= 0 and shape.objtype == mujoco.mjtObj.mjOBJ_GEOM:
+                body_of[shape.segid + 1] = self._bodies[shape.objid]
+        bodies: NDArray[np.int32] = body_of[numbers]
         return bodies
 
     def _measure(self, moment: Moment, camera: str) -> tuple[Frame, Sight]:

@@ -15,8 +15,10 @@ import pytest
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.errors import UsageError
 from rai_missions.image import Image, png
+from rai_missions.worlds import open_world
 from rai_missions.worlds.orchard.textures import SURFACES, paint
 from rai_missions.worlds.orchard.world import Orchard
+from rai_missions.worlds.renderers import Renderers
 
 
 @pytest.fixture
@@ -67,6 +69,32 @@ def test_depth_and_segmentation_agree_with_where_things_are(facing: Any) -> None
     assert np.count_nonzero(mask) > 500
     depth = float(np.median(camera.depth_m(moment)[mask]))
     assert depth == pytest.approx(orchard.world.places[0][0] - orchard.world.pose.x - 2.5, abs=0.35)
+
+
+@pytest.mark.parametrize("kind", ["desk", "house", "orchard"])
+def test_each_pixel_shows_the_body_that_mujoco_finds_there(kind: str) -> None:
+    world: Any = open_world(kind)
+    camera, model, scratch = world.camera, world.model, mujoco.MjData(world.model)
+    moment = camera.moment(world.data)
+    bodies = camera.segmentation(moment)
+    scratch.qpos[:], scratch.mocap_pos[:], scratch.mocap_quat[:] = moment
+    mujoco.mj_forward(model, scratch)
+    renderers = Renderers(model, lambda _: None)
+
+    def of_mujoco() -> Any:
+        renderer = renderers.of(camera.height, camera.width)
+        renderer.update_scene(scratch, "front")
+        renderer.enable_segmentation_rendering()
+        return renderer.render()
+
+    try:
+        seen = renderers.do(of_mujoco)
+    finally:
+        renderers.close()
+        world.close()
+    is_shape = seen[..., 1] == int(mujoco.mjtObj.mjOBJ_GEOM)
+    assert np.array_equal(bodies, np.where(is_shape, np.asarray(model.geom_bodyid)[seen[..., 0]], -1))
+    assert len(np.unique(bodies)) > 2
 
 
 @pytest.mark.parametrize(
