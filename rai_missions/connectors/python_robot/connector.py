@@ -118,10 +118,13 @@ class PythonRobotConnector(ConnectorWrapper):
         """As `HostsActions` has it."""
         self._stop_polls()
         self._on_end = on_end
-        self._worker("end").after(EXIT_S, self._give_up)
+        self._worker("end").after(EXIT_S, lambda: self._give_up(on_end))
         self._look_for_end()
 
-    def _give_up(self) -> None:
+    def _give_up(self, on_end: Callable[[], None]) -> None:
+        """Wait no longer for the goals of a run; once it has ended, those that execute are of one that follows it."""
+        if self._on_end is not on_end:
+            return
         for run in list(self._goals.values()):
             run.report("overdue", f"it has not ended {EXIT_S:g} s after the end of the run")
         self._look_for_end(anyway=True)

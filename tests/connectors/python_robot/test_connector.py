@@ -266,6 +266,19 @@ def test_the_end_of_a_run_without_actions_is_at_once(reached: PythonRobotConnect
     assert ended == [True]
 
 
+def test_a_run_that_has_ended_gives_up_no_goal_of_the_one_that_follows(
+    robot: PythonRobot, reached: PythonRobotConnector, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Runs follow one another over one connector, also within the time that the end of each would wait."""
+    monkeypatch.setattr(connector, "EXIT_S", 0.1)
+    robot.action("drive")(lambda goal, run: run.sleep(0.3))
+    reached.start()
+    reached.conclude(lambda: None)
+    reports = pursued(reached, "drive")
+    end_of(reports)
+    assert [each.status for each in reports.all] == ["accepted", "succeeded"]
+
+
 # -- services and messages ---------------------------------------------------------------------------------------------
 
 
