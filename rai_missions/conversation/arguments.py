@@ -93,7 +93,11 @@ def _amount(words: Sequence[str], key: KeyView, language: Language) -> int | flo
     words = list(dropwhile(frozenset(data["approximating"]).__contains__, words))
     if (value := number(words, data)) is not None:
         return value
-    factors = language.factors(unit_for(key, language)) or {language.name_of(key.name).split()[-1]: 1.0}
+    unit = unit_for(key, language)
+    shares: Mapping[str, int] = data["shares"] if "%" in language.factors(unit) else {}
+    if " ".join(words) in shares:
+        return shares[" ".join(words)]
+    factors = language.factors(unit) or {language.name_of(key.name).split()[-1]: 1.0}
     singular = {language.singular(unit): factor for unit, factor in factors.items()}
     for at in range(1, len(words)):
         given = [*words[at:-1], language.singular(words[-1])]

@@ -74,8 +74,9 @@ class Corrections:
         keys = self._keys(sense, view)
         named = [keys[name] for name in dict.fromkeys((*sense.lacks, *sense.named)) if name in keys]
         closed = [keys[name] for name in sense.arguments if name in keys and self._phrases.choices(name)]
-        for key in (*named, *closed):
-            if (self._phrases.choices(key.name) or key.type != "string") and self._fits(bare, key):
+        for key in sorted((*named, *closed), key=lambda each: each.type == "string"):  # `seven` is a number first
+            is_listed = self._phrases.choices(key.name) or key.type != "string"
+            if is_listed and self._fits(bare, key, sense.arguments.get(key.name)):
                 return self._with(draft, key, bare)
         texts = [key for key in named if key.type == "string" and not self._phrases.choices(key.name)]
         if len(texts) == 1 and bare == list(words) and len(bare) <= LONGEST and self._is_text(bare, texts[0], draft):
@@ -91,7 +92,9 @@ class Corrections:
     def completed(self, words: Sequence[str], draft: Draft, view: StatusView) -> Sense | None:
         """The draft with these words alone, where a value may be meant; None where they are none."""
         bare, keys = self._without_preposition(words), self._keys(draft.sense, view)
-        listed = (keys[name] for name in draft.sense.arguments if name in keys and self._phrases.choices(name))
+        is_marked = len(bare) < len(words)
+        given = [keys[name] for name in draft.sense.arguments if name in keys]
+        listed = (key for key in given if self._phrases.choices(key.name) or (is_marked and key.type != "string"))
         is_value = draft.is_asked_for or (draft.is_read_back and any(self._fits(bare, key) for key in listed))
         found = self.corrected(words, draft, view) if is_value else None
         return found if found is not None and found.kind == "order" else None
@@ -129,15 +132,18 @@ class Corrections:
         return mission.keys if mission is not None else {}
 
     def _value(self, words: Sequence[str], key: KeyView, before: Any = None) -> Any:
-        """The value of the words; the last of them may replace that of the text before: `the blue one`."""
+        """The value of the words; a part of them may be as it was: `the blue one`, and `five` for `ward three`."""
         is_substitute = len(words) > 1 and words[-1] in self._language.data["substitutes"]
-        if is_substitute and isinstance(before, str) and before and not self._phrases.choices(key.name):
+        listed = self._phrases.named_values(key.name)
+        if is_substitute and isinstance(before, str) and before and not listed:
             words = [*words[:-1], before.split()[-1]]
-        return self._phrases.value(words, key)
+        nouns = dict.fromkeys(way[:-1] for way, value in listed.items() if value == before)
+        ways = ([*noun, *self._language.without_articles(words)] for noun in nouns)
+        return self._phrases.value(next((way for way in ways if tuple(way) in listed), words), key)
 
-    def _fits(self, words: Sequence[str], key: KeyView) -> bool:
+    def _fits(self, words: Sequence[str], key: KeyView, before: Any = None) -> bool:
         try:
-            self._value(words, key)
+            self._value(words, key, before)
         except BadValue:
             return False
         return True

@@ -30,6 +30,8 @@ LONGEST_WARNING = 7
 """Words of the longest warning that has its danger in the same clause, and of the longest stop with other words."""
 LONGEST_ALARM = 10
 """Words of the longest clause that cries of harm."""
+LONGEST_STOP = 3
+"""Words of the longest stop that a clause may begin with, and have as many behind it as one that cries of harm."""
 LEAST_REFUSALS = 3
 """How often a no is cried with which a person refuses what the robot does."""
 NO_RUN = StatusView()
@@ -70,7 +72,13 @@ class Grammar:
         return STOP in self.sentence.senses(self.language.normaliser.words(text), NO_RUN)
 
     def senses(
-        self, text: str, view: StatusView, draft: Draft | None = None, *, is_typed: bool = True
+        self,
+        text: str,
+        view: StatusView,
+        draft: Draft | None = None,
+        *,
+        is_typed: bool = True,
+        earlier: Sequence[Sequence[str]] = (),
     ) -> tuple[Sense, ...]:
         """What the sentence may mean in this moment; several where it is ambiguous, empty for other talk.
 
@@ -79,6 +87,7 @@ class Grammar:
             view: The run: which options, missions and keys there are.
             draft: The order that it may correct.
             is_typed: Whether it is for the robot in any case; what is spoken may be for others.
+            earlier: What was uttered before it, the last at the end, for `it` and `there`.
         """
         text = self.unrepeated(text)
         words = self.language.normaliser.words(text)
@@ -86,12 +95,14 @@ class Grammar:
             text = CRY.sub("", text)  # that `whoa` stops nothing; what is behind it may
             words = self.language.normaliser.words(text)
         whole = self.sentence.senses(words, view, draft)
+        if earlier and all(each.kind in ("order", "fault") and each.name == "start" for each in whole):
+            whole = self.sentence.referring(words, view, earlier) or whole
         if draft is None and any(each.name == "answer" for each in whole) and self._refuses_a_kind(text):
             whole = tuple(each for each in whole if each.name != "answer")
         is_open = _is_open(whole)
         corrected = self._corrected_within(words, view) if is_open else ()
         is_list = is_open or all(sense.kind == "order" and sense.name in self.language.orders for sense in whole)
-        several = corrected or (self._lists.senses(text, view, whole) if is_list else ())
+        several = corrected or (self._lists.senses(text, view, whole, earlier) if is_list else ())
         if several and not is_open:
             return several
         parts = self.language.normaliser.parts(text) if is_open and not several else []
@@ -193,7 +204,8 @@ class Grammar:
         if language.may_quote(text) or text.rstrip().endswith("?"):
             return False
         short = [each for each in (words, *edges) if len(each) <= LONGEST_ALARM]
-        is_harm = any(map(language.warnings["typed"].fits, short))
+        no_harm = language.warnings["no_harm"].fits
+        is_harm = any(language.warnings["typed"].fits(each) and not no_harm(each) for each in short)
         begins = (self._begins_with_stop(self._ahead_of_reason(each), view) for each in edges)
         return is_harm or any(self._turns_to_stop(each, view) for each in edges) or any(begins)
 
@@ -213,14 +225,16 @@ class Grammar:
     def _begins_with_stop(self, words: list[str], view: StatusView) -> bool:
         """Whether a short clause begins with the word to stop and is no other: `stop you fool`."""
         language, stopping = self.language, self.language.warnings["stopping"]
-        if not 0 < len(words) <= LONGEST_WARNING:
-            return False
         words = self._slipped(words)
+        size = next((size for size in range(LONGEST_STOP, 1, -1) if language.orders["stop"].fits(words[:size])), 0)
+        if not words or len(words) > (LONGEST_ALARM if size else LONGEST_WARNING):
+            return False
         is_reported = not set(words).isdisjoint(language.data["quoting"])
         is_of_another = any(each.name != view.mission for each in missions_named(words[1:], view, language))
         is_on_condition = any(language.conditions.begin(words[at:]) for at in range(1, len(words)))
         is_stop = stopping.fits(words) or language.orders["stop"].fits(words)
-        is_otherwise = is_reported or is_on_condition or is_of_another or language.warnings["no_stop"].fits(words)
+        behind = [*words[:1], *words[size:]] if len(words) > LONGEST_WARNING else words  # `stop now the cat is there`
+        is_otherwise = is_reported or is_on_condition or is_of_another or language.warnings["no_stop"].fits(behind)
         return is_stop and not is_otherwise
 
     def _slipped(self, words: list[str]) -> list[str]:

@@ -13,7 +13,15 @@ from pathlib import Path
 from typing import Any
 
 from rai_missions.conversation.language_faults import language_faults
-from rai_missions.conversation.phrases import AnyPhrase, Phrases, around_object, examples_of, part_of_verb, parts_of
+from rai_missions.conversation.phrases import (
+    NO_SLOTS,
+    AnyPhrase,
+    Phrases,
+    around_object,
+    examples_of,
+    part_of_verb,
+    parts_of,
+)
 from rai_missions.errors import DefinitionError, UsageError, suggestion
 from rai_missions.kinds import known_names, offered
 from rai_missions.mission.json_reader import read_json
@@ -62,6 +70,11 @@ class Language(LanguageTexts):
         verbs: Mapping[str, Sequence[str]] = data["verbs"]
         self.parts: Mapping[str, str] = parts_of(data["parts"], verbs)
         self._verb = re.compile(rf"(?<![\w{{<])({'|'.join(sorted(verbs, key=len, reverse=True))})(?![\w}}>])")
+        self._two_objects = re.compile(
+            r"(?P<verb>[^{}]*?\W)(?P<thing>(?:\[[^]{}]*\] )?\{\w+\})(?P<between>[^{}]*(?:\{\w+\}[^{}]*)??) "
+            rf"(?:{'|'.join(data['two_objects']['joints'])}) (?P<receiver>(?:\[[^]{{}}]*\] )?\{{\w+\}})(?P<end>.*)"
+        )
+        """A phrase with a verb, a thing, and for whom it is."""
         self.orders, self.warnings, self.questions = map(self._named_phrases, ("orders", "warnings", "questions"))
         self.any_order = AnyPhrase(each.pattern for each in self.orders.values())
         """The phrases of all orders."""
@@ -71,7 +84,7 @@ class Language(LanguageTexts):
         self.start, self.answer = self._phrases("start"), self._phrases("answer")
         self.argument, self.with_values = self._phrases("argument"), self._phrases("with_values")
         self.polite, self.indirect = self._phrases("polite"), self._phrases("indirect")
-        self.relayed = self._phrases("relayed")
+        self.relayed, self.nouns_of_verbs = self._phrases("relayed"), self._phrases("nouns_of_verbs")
         self.reasons = re.compile(rf"(?<![,\s])[,\s]+{data['reason_pattern']}[^,.;:!?–—]*", re.IGNORECASE)
         """What begins with a word for a reason, up to the next sign, with what is ahead of it."""
         self.reason_joints, self.on_the_way = self._phrases("reason_joints"), self._phrases("on_the_way")
@@ -166,13 +179,28 @@ class Language(LanguageTexts):
         """
         return Phrases(map(self._own, phrases), self.parts)
 
-    def order_phrases(self, phrases: Iterable[str]) -> Phrases:
+    def order_phrases(self, phrases: Iterable[str], slots: Mapping[str, str] = NO_SLOTS) -> Phrases:
         """The same of orders: a verb that the language lists is any verb of its sense, as `head` is for `go`.
+
+        Args:
+            phrases: Of the profile.
+            slots: The regular expression of what may be in a slot; any words in one that it lacks.
 
         Raises:
             UsageError: One is not closed, or names a part that does not exist.
         """
-        return Phrases((way for phrase in phrases for way in self._with_verbs(phrase)), self.parts)
+        return Phrases((way for phrase in phrases for way in self._with_verbs(phrase)), self.parts, slots)
+
+    def with_two_objects(self, phrase: str) -> list[str]:
+        """The phrase with whom something is for ahead of it, `bring {person} {item}` of `bring {item} to {person}`.
+
+        Empty where its verb has no such form, or it has no one for whom something is.
+        """
+        found = self._two_objects.fullmatch(phrase)
+        verbs = set(self.data["two_objects"]["verbs"])
+        if found is None or verbs.isdisjoint(re.findall(r"\w+", found["verb"])):
+            return []
+        return [f"{found['verb']}{found['receiver']} {found['thing']}{found['between']}{found['end']}"]
 
     def order_examples(self, phrase: str) -> list[str]:
         """Plain sentences of a phrase of a robot's profile, with each verb of a sense."""

@@ -36,6 +36,7 @@ OF_OWN_WORDS = frozenset(
         "spellings",
         "parts",
         "questions_alone",
+        "shares",
         "unit_words",
         "verb_forms",
         "verbs",

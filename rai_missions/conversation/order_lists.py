@@ -59,17 +59,19 @@ class OrderLists:
         data = self._language.data
         self._correcting = frozenset(data["correcting"])
         self._things = frozenset(data["thing_pronouns"]) - self._language.articles
-        self._there = sorted((each.split() for each in data["there"]), key=len, reverse=True)
         self._no_parts = [*self._language.joints, *([word] for word in data["going"])]
         """What joins two parts or begins one, `go` of `go find the cup`, and is none by itself."""
 
-    def senses(self, text: str, view: StatusView, whole: Sequence[Sense]) -> tuple[Sense, ...]:
+    def senses(
+        self, text: str, view: StatusView, whole: Sequence[Sense], earlier: Sequence[Sequence[str]] = ()
+    ) -> tuple[Sense, ...]:
         """The list that a sentence is, several where its parts are ambiguous; with the rest of it that is not read.
 
         Args:
             text: The sentence, as it was received.
             view: The run.
             whole: What it means as a whole.
+            earlier: What was uttered before it, the last at the end.
         """
         clauses = [self._language.normaliser.words(each) for each in self._language.normaliser.clauses(text)]
         words = [word for clause in clauses for word in clause]
@@ -82,7 +84,9 @@ class OrderLists:
             cuts = [each for each in cuts if each.is_marked or 1 < each.end < len(words) - 1]
         words, cuts = self._on_the_way(words, cuts)
         sizes = [len(self._language.normaliser.words(each)) for each in self._language.normaliser.parts(text)]
-        reading = _Reading(self, words, cuts, view, ends=tuple(accumulate(sizes)), is_whole=is_order(whole))
+        reading = _Reading(
+            self, words, cuts, view, ends=tuple(accumulate(sizes)), is_whole=is_order(whole), earlier=earlier
+        )
         end = next((each.end for each in cuts if each.begin == len(words)), len(words))
         if len(parts := reading.parts(end)) > 1 or (parts and end < len(words)):
             return _together(parts)
@@ -142,24 +146,15 @@ class OrderLists:
                 return found
         return ()
 
-    def placed(self, words: Sequence[str], view: StatusView, before: Sequence[str]) -> Part:
-        """What a part orders with the place that was named last for `there`: `wait there`; empty for nothing.
+    def referring(self, words: Sequence[str], view: StatusView, before: Sequence[Sequence[str]]) -> Part:
+        """What a part orders of what was named before it: `wait there`, `count it`; empty for nothing.
 
         Args:
             words: Of the part.
             view: The run.
-            before: The words ahead of it.
+            before: What is ahead of it, the last at the end.
         """
-        found = (
-            (at, len(each)) for each in self._there for at in range(1, len(words)) if words[at:][: len(each)] == each
-        )
-        at, size = next(found, (0, 0))
-        place = next(self._grammar.places_in([before]), []) if size else []
-        for joint in self._language.data["place_joints"] if place else ():
-            sense = self._grammar.start_in([*words[:at], *joint.split(), *place, *words[at + size :]], view)
-            if sense is not None and not set(place).intersection(" ".join(self._grammar.open_texts(sense)).split()):
-                return (sense,)
-        return ()
+        return self._grammar.referring(list(words), view, before)
 
     def shortened(self, words: Sequence[str], view: StatusView, before: Sequence[str], *, is_whole: bool) -> Part:
         """What a part means with words of an earlier one, `the study` behind `go to the kitchen`; empty for nothing.
@@ -203,6 +198,7 @@ class _Reading:
         view: The run.
         ends: The places at which a sentence of an utterance ends: no part goes beyond one.
         is_whole: The sentence is an order as a whole as well.
+        earlier: What was uttered before the sentence, the last at the end.
     """
 
     def __init__(
@@ -214,7 +210,9 @@ class _Reading:
         *,
         ends: Sequence[int],
         is_whole: bool,
+        earlier: Sequence[Sequence[str]],
     ) -> None:
+        self._earlier = earlier
         self._lists, self._words, self._cuts, self._view, self._is_whole = lists, words, cuts, view, is_whole
         self._ends = ends
         self._known = dict[tuple[int, ...], Part]()
@@ -245,8 +243,9 @@ class _Reading:
             return ()
         if place not in self._known:
             words, earlier = self._words[begin:end], self._words[slice(*whole)]
-            if placed := self._lists.placed(words, self._view, self._words[:begin]):
-                self._known[place] = placed
+            before = [*self._earlier, *([self._words[:begin]] if begin else [])]
+            if referring := self._lists.referring(words, self._view, before):
+                self._known[place] = referring
             elif not earlier:
                 self._known[place] = self._lists.part(words, self._view)
             elif self._lists.is_correction(words):

@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from rai_missions.errors import UsageError
 
 __all__ = (
-    "AROUND", "SLOT", "AnyPhrase", "Phrases", "around_object", "example_of", "examples_of", "in_one_piece",
+    "AROUND", "NO_SLOTS", "SLOT", "AnyPhrase", "Phrases", "around_object", "example_of", "examples_of", "in_one_piece",
     "part_of_verb", "parts_of",
 )  # fmt: skip
 
@@ -27,13 +27,19 @@ AROUND = "…"
 """The place of the object in a verb that is around it."""
 
 
-def _compiled(phrase: str, parts: Mapping[str, str], within: tuple[str, ...] = ()) -> str:
+NO_SLOTS: Mapping[str, str] = {}
+
+
+def _compiled(
+    phrase: str, parts: Mapping[str, str], within: tuple[str, ...] = (), slots: Mapping[str, str] = NO_SLOTS
+) -> str:
     """The regular expression of a phrase, over words that each end with a space.
 
     Args:
         phrase: As the module's docstring has it.
         parts: The lists that `<part>` names.
         within: The parts that it is in.
+        slots: The regular expression of what may be in a slot; any words in one that it lacks.
 
     Raises:
         UsageError: The phrase is not closed, names a part that does not exist, or one that it is in.
@@ -42,7 +48,7 @@ def _compiled(phrase: str, parts: Mapping[str, str], within: tuple[str, ...] = (
     for atom in ATOM.finditer(phrase):
         text = atom.group()
         if atom.group(1):
-            made.append(f"(?P<{atom.group(1)}>{WORDS})")
+            made.append(f"(?P<{atom.group(1)}>{slots.get(atom.group(1), WORDS)})")
         elif atom.group(2):
             if atom.group(2) not in parts:
                 raise UsageError(f"the phrase '{phrase}' names no part: '{text}'; there is: {', '.join(parts)}")
@@ -180,11 +186,12 @@ class Phrases(AnyPhrase):
     Args:
         phrases: Each as the module's docstring has it.
         parts: The lists that `<part>` names.
+        slots: The regular expression of what may be in a slot; any words in one that it lacks.
     """
 
-    def __init__(self, phrases: Iterable[str], parts: Mapping[str, str]) -> None:
+    def __init__(self, phrases: Iterable[str], parts: Mapping[str, str], slots: Mapping[str, str] = NO_SLOTS) -> None:
         phrases = list(phrases)
-        compiled = [_compiled(phrase, parts) for phrase in phrases]
+        compiled = [_compiled(phrase, parts, slots=slots) for phrase in phrases]
         super().__init__(f"(?:{re.sub(r'[(][?]P<[^>]+>', '(?:', each)})" for each in compiled)
         self._each = [re.compile(each) for each in compiled]
         self.slots = frozenset(slot for each in self._each for slot in each.groupindex)

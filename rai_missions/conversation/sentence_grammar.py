@@ -62,6 +62,10 @@ class SentenceGrammar:
         self._things = frozenset(language.data["thing_pronouns"])
         self._undecided = language.negations | {language.text("or")}
         self._subjects = pronouns - self._things
+        places = frozenset(each.split()[-1] for each in language.data["there"])
+        self._referring = self._things | places | (pronouns & language.articles)
+        """Words of which one is in each sentence that is about what was named before."""
+        self._there = sorted((each.split() for each in language.data["there"]), key=len, reverse=True)
         self._persons = pronouns - language.articles
         self._view: StatusView | None = None
         self._known = dict[tuple[str, ...], tuple[Sense, ...]]()
@@ -154,10 +158,53 @@ class SentenceGrammar:
         """Whether the words are a start by a value alone: `the kitchen`."""
         return any(True for _ in self._phrases.valued(self.language.normaliser.bare(list(words)), view.missions))
 
-    def start_in(self, words: Sequence[str], view: StatusView) -> Sense | None:
-        """The start that the words are by a phrase of the robot's own; None where there is none, or several."""
-        found = list(self._phrases.senses(words, view.missions))
+    def start_in(self, words: Sequence[str], view: StatusView, before: Sequence[Sequence[str]] = ()) -> Sense | None:
+        """The start that the words are by a phrase of the robot's own; None where there is none, or several.
+
+        Args:
+            words: Of a sentence, or of a part of one.
+            view: The run.
+            before: What was uttered before, for pronouns.
+        """
+        found = list(self._phrases.senses(words, view.missions, before))
         return found[0] if len(found) == 1 and found[0].kind == "order" else None
+
+    def referring(self, words: list[str], view: StatusView, before: Sequence[Sequence[str]]) -> tuple[Sense, ...]:
+        """The start whose pronouns are what was named before: `hand it to her`, `wait there`; empty where none is.
+
+        Args:
+            words: Of a sentence, or of a part of one.
+            view: The run.
+            before: What was uttered before, the last at the end.
+        """
+        if not before or self._referring.isdisjoint(words):
+            return ()
+        forms = self._forms(words, self.language.normaliser.bare(words, called(view.robot)), view)
+        found = (
+            self._placed(form, view, before) or self.start_in(form, view, before)
+            for form in forms
+            if form and self._is_about_earlier(form, view)
+        )
+        sense = next((each for each in found if each is not None), None)
+        return (sense,) if sense is not None else ()
+
+    def _is_about_earlier(self, words: Sequence[str], view: StatusView) -> bool:
+        """Whether words are no start by themselves, or have one of the words for a place that was named."""
+        return self.start_in(words, view) is None or any(each[-1] in words for each in self._there)
+
+    def _placed(self, words: Sequence[str], view: StatusView, before: Sequence[Sequence[str]]) -> Sense | None:
+        """The start with the place that was named last for `there`: `wait there`; None where there is none."""
+        found = (
+            (at, len(each)) for each in self._there for at in range(1, len(words)) if words[at:][: len(each)] == each
+        )
+        at, size = next(found, (0, 0))
+        place = next(self.places_in(before), []) if size else []
+        for joint in self.language.data["place_joints"] if place else ():
+            in_place = [*joint.split(), *place]
+            sense = self.start_in([*words[:at], *in_place, *words[at + size :]], view, before)
+            if sense is not None and not set(in_place).intersection(" ".join(self.open_texts(sense)).split()):
+                return sense
+        return None
 
     def places_in(self, clauses: Sequence[Sequence[str]]) -> Iterator[list[str]]:
         """The listed values that clauses name, the last first, each as it is called there."""
@@ -199,6 +246,7 @@ class SentenceGrammar:
     def _forms(self, words: list[str], bare: list[str], view: StatusView) -> Iterator[list[str]]:
         """What of a sentence may be what is meant, the likeliest first; what is not asked for is not worked out."""
         normaliser, names = self.language.normaliser, called(view.robot)
+        yield from self._with_noun(words, view)
         yield bare
         yield from self._polite(words, names)
         yield words
@@ -213,6 +261,13 @@ class SentenceGrammar:
         for opening in self.language.normaliser.openings(words, names):
             for slots in self.language.polite.match(opening):
                 yield self.language.imperative(self.language.normaliser.bare(slots["order"].split(), names))
+
+    def _with_noun(self, words: list[str], view: StatusView) -> Iterator[list[str]]:
+        """The start whose verb is a noun: `wipe the counter` of `give the counter a wipe`."""
+        for opening in self.language.normaliser.openings(words, called(view.robot)):
+            for slots in self.language.nouns_of_verbs.match(opening):
+                form = [*slots["verb"].split(), *slots["thing"].split()]
+                yield from [form] if self.start_in(form, view) else []
 
     def _infinitive(self, words: list[str]) -> Iterator[list[str]]:
         """The order that ends with an infinitive, in languages that have such: `in die Küche fahren`; no statement."""
@@ -334,6 +389,9 @@ class SentenceGrammar:
             return [completed]
         faults = list[Sense]()
         for instead in self._corrections.instead(words):
+            corrected = self._corrections.corrected(instead, draft, view) if draft is not None else None
+            if corrected is not None and corrected.kind == "order" and self.is_value(instead, view):
+                return [corrected]
             inner = self._words(instead, view)
             if is_fault(inner):
                 faults += inner
@@ -343,7 +401,6 @@ class SentenceGrammar:
                     each._replace(is_partial=each.is_partial or each.name == "answer", is_correction=draft is not None)
                     for each in inner
                 ]
-            corrected = self._corrections.corrected(instead, draft, view) if draft is not None else None
             if corrected is not None and corrected.kind == "order":
                 return [corrected]
             if inner:

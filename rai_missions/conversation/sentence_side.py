@@ -41,6 +41,8 @@ Handling = Literal["handled", "stopped", "unknown"]
 """What became of a sentence: rules answered it, it stopped the run, or the rules do not know it."""
 DECISIONS = ("yes", "no")
 """What a sentence may mean for what was read back."""
+RECALL_S = 180.0
+"""Seconds for which a sentence may be about what was named in another."""
 LATE_S = 30.0
 """Seconds after the end of a question, or after a start was taken, within which a sentence may be meant for it."""
 
@@ -90,8 +92,16 @@ class SentenceSide:
     def _senses(self, utterance: Utterance) -> list[tuple[Sense, ...]]:
         """What each of its readings may mean."""
         readings, draft = utterance.readings or (utterance.text,), self._draft(utterance)
-        view, is_typed = self._talk.view, not utterance.is_spoken
-        return [self._grammar.senses(text, view, draft, is_typed=is_typed) for text in readings]
+        view, is_typed, earlier = self._talk.view, not utterance.is_spoken, self._earlier(utterance)
+        return [self._grammar.senses(text, view, draft, is_typed=is_typed, earlier=earlier) for text in readings]
+
+    def _earlier(self, utterance: Utterance) -> list[list[str]]:
+        """The words of its speaker and of the robot's replies there, in the last minutes, the last at the end."""
+        words, now = self._talk.language.normaliser.words, self._talk.now
+        turns = (each for each in self._talk.turns if now - each.at < RECALL_S and each.number != utterance.number)
+        own = (each for each in turns if (each.channel, each.author) in (utterance.speaker, (utterance.channel, "")))
+        found = (words(each.text) for each in own)
+        return [each for each in found if self._talk.starts.is_certain(each)]
 
     def _draft(self, utterance: Utterance) -> Draft | None:
         """The order that this sentence may correct: its speaker's last, one that is read back, or one just taken."""
@@ -230,7 +240,7 @@ class SentenceSide:
         if senses := self._answered_by_sense(text, utterance.role):
             return senses
         senses = self._grammar.without_reasons(text, self._talk.view)
-        senses = senses or self._suggestions.suggested(text, self._talk.view)
+        senses = senses or self._suggestions.suggested(text, self._talk.view, self._earlier(utterance))
         if not senses and not faults:
             return self._asked_by_sense(text)
         orders = [order for sense in senses for order in sense.orders]

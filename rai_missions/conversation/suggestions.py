@@ -56,7 +56,7 @@ class Suggestions:
         self._place_pronouns = sorted((each.split() for each in data["place_pronouns"]), key=len, reverse=True)
         self._asking = frozenset(data["asking"]) - self._requesting
 
-    def suggested(self, text: str, view: StatusView) -> tuple[Sense, ...]:
+    def suggested(self, text: str, view: StatusView, earlier: Sequence[list[str]] = ()) -> tuple[Sense, ...]:
         """The orders in it and its questions, or its first question, or what an order lacks; empty with a condition.
 
         A question for a thing comes with the order to look for it, where that is the only one.
@@ -64,6 +64,7 @@ class Suggestions:
         Args:
             text: The sentence, as it was received, which means nothing as a whole, or has values that do not fit.
             view: The run.
+            earlier: What was uttered before it, the last at the end.
         """
         clauses = [] if self._language.may_quote(text) else self._joined(list(self._clauses(text)), view)
         if len(clauses) > MOST_CLAUSES or any(len(words) > MOST_WORDS for words in clauses):
@@ -78,7 +79,8 @@ class Suggestions:
             senses = self._clause(words, view) or (() if is_question else self._bidden(words, view))
             if any(sense.kind in REPLIES or sense == STOP for sense in senses):
                 return ()
-            order = _order(senses) or self._resolved(words, clauses[:at], senses, view)
+            order = _order(senses) or self._grammar.referring(words, view, [*earlier, *clauses[:at]])
+            order = order or self._resolved(words, clauses[:at], senses, view)
             order = order or (self._placed(words, clauses[:at], view) if is_fault(senses or FAULT) else ())
             order = order or self._inside(words, view, is_addressed=is_addressed, is_question=is_question)
             if order:

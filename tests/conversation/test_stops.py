@@ -65,7 +65,8 @@ OTHERWISE = {
 }  # fmt: skip
 HARM = {
     "en": (
-        "you're on my foot", "you're crushing my toe!", "it's about to fall down the stairs", "ouch my foot",
+        "you're on my foot", "you're crushing my toe!", "it's about to fall down the stairs", "it is about to fall",
+        "stop now the nurse is in the way", "ouch my foot",
         "the cat!!",
         "the robot is going to hit the vase", "you'll hit it", "mind the baby!", "get off the rug", "back off",
         "that's enough", "switch it off", "shut it off, it's going crazy",
@@ -96,6 +97,7 @@ NO_HARM = {
         "Whoa, you look really great", "whoa what a pretty nice garden", "whoa, I like it", "whoa nice",
         "no, no, I like it", "my foot hurts today", "The cat is so cute!", "I shouted that we should stop at the shop",
         "he wanted to go but stopped", "it was fun but it has stopped", "she replied, stop", "they all yelled: stop",
+        "it is about to fall asleep", "you are going to fall in love with it",
         "he is going to crash at my place tonight", "it is falling asleep", "switch off the tv please",
     ),
     "de": (
