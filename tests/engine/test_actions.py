@@ -148,6 +148,17 @@ def test_a_goal_whose_end_is_never_confirmed_is_orphaned_and_bars_the_next_start
     assert f"goal {number} of 'go' never confirmed its end: orphaned" in step.notes
 
 
+def test_only_a_cancel_can_be_overdue() -> None:
+    """A server that gives up a goal which the mission still wants changes nothing: its timeout is the mission's."""
+    made, number = started(driving())
+    reports(made, "accepted", number, at=1.0)
+    made.send(Event("go", 2.0, {"why": "it has not ended"}, "overdue", number))
+    assert ticked(made, 3.0).outcome is None and made.wake_at == 60.0
+    sent(made, "e", at=4.0)
+    step = made.send(Event("go", 4.5, {"why": "it has not ended"}, "overdue", number))
+    assert f"goal {number} of 'go' never confirmed its end: orphaned" in [*step.notes, *ticked(made, 4.6).notes]
+
+
 def test_a_goal_of_which_nothing_is_known_and_that_executes_has_five_seconds_to_end() -> None:
     made, _ = started(driving())
     assert cancels(made.send(Event("turn", 1.0, {}, "stray", 7))) == [7]

@@ -174,7 +174,7 @@ def report(goals: Goals, event: Event) -> LedgerChange:
         goals[event.number] = goal._replace(is_refused=True)
     elif event.kind == "lost":
         goals[event.number] = goal._replace(is_lost=True)
-    elif event.kind == "overdue":
+    elif event.kind == "overdue" and goal.phase in ("withdrawn", "canceling"):
         goals[event.number] = goal._replace(until=min(goal.until, event.at))
     elif event.kind == "accepted" and goal.phase == "sent":
         goals[event.number] = goal._replace(phase="running")
