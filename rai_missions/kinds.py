@@ -69,7 +69,7 @@ class PackageOffer(NamedTuple):
 
         try:
             return EntryPoint(self.name, self.value, self.group).load()
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise UsageError(f"{self} does not load ({raised_text(error)})") from error
 
     @contextmanager
@@ -83,7 +83,7 @@ class PackageOffer(NamedTuple):
             yield
         except MissionError:
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise UsageError(f"{self} cannot be opened ({raised_text(error)})") from error
 
 

@@ -98,7 +98,7 @@ def _with_option(word: str) -> str:
 def _run(command: Command, words: Sequence[str], raised: RaisedSignals) -> int:
     given = command.read(words)
     from rai_missions.cli.output import redacted_output
-    from rai_missions.errors import DefinitionError, MissionError
+    from rai_missions.errors import DefinitionError, MissionError, file_text
 
     with redacted_output(controls=command.draws):
         try:
@@ -106,6 +106,17 @@ def _run(command: Command, words: Sequence[str], raised: RaisedSignals) -> int:
             with suppress(BrokenPipeError):  # its work is done
                 sys.stdout.flush()
             return status
+        except SystemExit as exit_:
+            if exit_.code:
+                raise
+            import traceback
+
+            *_, last = traceback.extract_tb(exit_.__traceback__)  # 0 is what a command returns, and raised by none
+            where = f"{file_text(last.filename)}, line {last.lineno}, in {last.name}"
+            print(
+                f"rai-missions {command.name}: code that it called asked the program to exit ({where})", file=sys.stderr
+            )
+            return 1
         except BrokenPipeError:
             return 128 + signal.SIGPIPE
         except (MissionError, OSError) as error:

@@ -122,7 +122,7 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
             test = self.compile(site)
         except MissionError:
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             whose = f"the guard '{self.word}' of {type(self).__module__}"
             raise UsageError(f"{whose} raised {in_words(error)} as it was compiled") from error
         return lambda view: foreign_truth(lambda: test(view), self.word, view.note)
@@ -218,7 +218,7 @@ def foreign_truth(ask: Callable[[], object], word: str, note: Callable[[str], ob
     except RaisedBefore as error:
         note(str(error))
         return None
-    except Exception as error:  # noqa: BLE001 - the code of a user or of another package
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - the code of a user or of another package
         note(f"guard '{word}' raised {raised_text(error)}")
         return None
 

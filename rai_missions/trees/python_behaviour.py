@@ -55,7 +55,7 @@ class LiveBehaviour:
         """Tick it once: `running`, `success` or `failure`."""
         try:
             self._root.tick_once()
-        except Exception:  # whatever the user's program raises, the mission's rules decide what follows
+        except (Exception, SystemExit):  # whatever the user's program raises, the mission's rules decide what follows
             log.exception("the behaviour '%s' raised; it counts as a failure", self.name)
             return "failure"
         status: Status = WORDS[self._root.status]

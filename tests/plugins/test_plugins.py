@@ -29,6 +29,7 @@ from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.event import Event
 from rai_missions.guards import Compare, Fresh, Guard, Site
 from rai_missions.guards.contract import check_kind
+from rai_missions.guards.guard import foreign_truth
 from rai_missions.guards.view import Operand
 from rai_missions.journal import Header, Journal, read
 from rai_missions.keys import Key
@@ -183,6 +184,8 @@ def test_a_foreign_connector_carries_a_run(tmp_path: Path) -> None:
         ("def open_connector(options): ...", "cannot be opened (TypeError: open_connector() got an unexpected keyword"),
         ("def open_connector(options, *, now=None): 1 / 0", "cannot be opened (ZeroDivisionError: division by zero"),
         ("", "cannot be opened (AttributeError: module 'radio' has no attribute 'open_connector'"),
+        ("import sys\nsys.exit(0)", "does not load (SystemExit: 0)"),
+        ("def open_connector(options, *, now=None): raise SystemExit(0)", "cannot be opened (SystemExit: 0"),
         ("def open_connector(options, *, now=None): return 7", "opens 7, which is no connector: it lacks 'modes'"),
     ],
 )
@@ -217,6 +220,25 @@ def test_a_foreign_world_that_cannot_be_opened_is_refused_by_name(tmp_path: Path
         connector = {"kind": "local", "world": "moon"}
         robot = parse_profile(ROBOT.read_text(encoding="utf-8")).model_copy(update={"connector": connector})
         assert fault(lambda: run(MISSION, robot=robot)) == f"the world 'moon' of moon 1.0 {why}"
+    finally:
+        del sys.path[0]
+        sys.modules.pop("moon", None)
+
+
+def test_a_foreign_world_that_exits_ends_no_run_as_one_that_succeeded(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    world = "class World:\n    at, period_s, open, close = 0.0, 0.1, print, print\n"
+    world += "    def step(self): raise SystemExit(0)\n"
+    laid_out(tmp_path, "moon", "1.0", offers="[rai_missions.worlds]\nmoon = moon:World\n", code=world)
+    sys.path.insert(0, str(tmp_path))
+    robot = tmp_path / "robot.json"
+    robot.write_text(json.dumps(json.loads(ROBOT.read_text()) | {"connector": {"kind": "local", "world": "moon"}}))
+    try:
+        asked = ["run", str(MISSION), "--robot", str(robot), "--no-operator", "--journal", str(tmp_path / "j")]
+        assert main(asked) == 1
+        why = f"run: code that it called asked the program to exit ({tmp_path}/moon/__init__.py, line 3, in step)"
+        assert why in capsys.readouterr().err
     finally:
         del sys.path[0]
         sys.modules.pop("moon", None)
@@ -582,6 +604,12 @@ def test_a_kind_that_lacks_a_method_is_refused_where_it_is_written_and_by_its_co
     assert text.endswith(f"the {sort} 'odd' of {package.replace('_', '-')} 1.0 cannot be used: {why}")
     with pytest.raises(AssertionError, match=re.escape(why)):
         check_kind(kind.model_construct(odd="x"), sort, lambda: ("odd",))
+
+
+def test_a_predicate_that_exits_is_unknown_too() -> None:
+    notes: list[str] = []
+    assert foreign_truth(lambda: sys.exit(0), "brittle", notes.append) is None
+    assert notes == ["guard 'brittle' raised SystemExit: 0"]
 
 
 @pytest.mark.parametrize(("value", "active", "notes"), [
