@@ -221,6 +221,9 @@ def mixed(
 
 RUNNING = StatusView(run="r", mode="running", mission="patrol", missions=(MissionView("patrol"),))
 PAUSED = RUNNING._replace(mode="paused")
+IDLE = RUNNING._replace(run="", mode="")
+VIEWS = {"resume": PAUSED, "start": IDLE}
+"""In which state an order is spoken, where no mission runs."""
 
 
 def effect(transcript: Transcript, view: StatusView, *, answers: bool = False) -> str:
@@ -265,8 +268,8 @@ def orders(bench: Bench, scale: int) -> None:
         bench.new_ear()  # as in a room whose noise lasts: the ear has had time to know it
         for phrase, speaker, _ in product(SPOKEN, SPEAKERS, range(scale)):
             found = bench.of(FileSound(mixed(speech(f"{phrase.capitalize()}.", speaker), db, kind, random)))
-            name, view = order_of(phrase), PAUSED if order_of(phrase) == "resume" else RUNNING
-            effects = [effect(each, view, answers=phrase in ("yes", "no")) for each in found]
+            name = order_of(phrase)
+            effects = [effect(each, VIEWS.get(name, RUNNING), answers=phrase in ("yes", "no")) for each in found]
             done = name if name in effects else next(filter(None, effects), "-")
             matrix[name][done] += 1
             key = ("stop" if phrase == "stop" else "other", db, kind)
@@ -306,7 +309,7 @@ class Counts(NamedTuple):
     """Without a confirmation."""
 
     def with_window(self, name: str, spoken: str, found: Iterable[Transcript]) -> Counts:
-        """One window more; what is a phrase is printed."""
+        """One window more; a phrase is printed, and all that is made of no words of a person."""
         counts = self._replace(windows=self.windows + 1)
         for each in found:
             given, back = consequences(each)
@@ -318,7 +321,7 @@ class Counts(NamedTuple):
                 counts.read_back + len(back) * is_phrase,
                 counts.ordered + len(given) * is_phrase,
             )
-            if is_phrase:
+            if is_phrase or not spoken:
                 agree = each.readings.count(each.text)
                 print(f"    {name} became {each.text!r} ({agree} agree): ordered {given}, read back {back}", flush=True)
         return counts

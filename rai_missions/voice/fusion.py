@@ -12,7 +12,8 @@ where the first has evidence for it. Another phrase that the two read must have 
 agree on it then. One that the network holds for far less probable than none is none, but for what was read freely.
 
 Another phrase for which both have evidence, or the first has more, may have been meant as well, and is a reading, too:
-"start the mission" is nearer to "pause the mission" by some voices. Which is meant is decided where orders are judged.
+"start the mission" is nearer to "pause the mission" by some voices. So is the one that the network holds for the best,
+with the odds to count. Which is meant is decided where orders are judged.
 
 Rule: the others can vote, agree and refuse, and no more: a phrase for which the first has no evidence never counts.
 """
@@ -114,12 +115,15 @@ def fused(
         found = _freely(text)
     chances = {each: value + second.get(each, 0.0) for each, value in odds.items() if each in first}
     best = max(chances, key=chances.__getitem__, default="")
-    if not best or chances[best] < LEAST_ODDS or first[best] < LEAST_FIRST_AT_ODDS:
+    if not best or chances[best] < LEAST_ODDS:
         return found
     is_other = found.text in phrases and found.text != best
-    if is_other and chances[best] - chances.get(found.text, math.inf) < LEAST_ODDS_LEAD:
-        return found
-    return FusedTurn(best, (best, best))
+    lead = chances[best] - chances.get(found.text, math.inf) if is_other else math.inf
+    if first[best] >= LEAST_FIRST_AT_ODDS and lead >= LEAST_ODDS_LEAD:
+        return FusedTurn(best, (best, best))
+    if is_other and found.text not in STOPS and best not in found.readings:
+        return found._replace(readings=(*found.readings, best, best))
+    return found
 
 
 def _of_two(
