@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A process is killed while a list of orders is read back: in the next one no yes counts before it is read back again.
 
-And the end of the run is reported there once, whatever was reported before.
+Each order of a list is reported once, as it was, and the end of the run once in the process that continues.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from rai_missions.runtime.runner import Runner
 from tests.agents.talk.scenes import HeldOpen, settle
 from tests.laws import test_talk_handover
 from tests.laws.test_side_by_side import NAMED, Surroundings, Thinker
-from tests.laws.test_talk_handover import SENTENCES, SETTINGS, Held
+from tests.laws.test_talk_handover import SENTENCES, SETTINGS, Held, is_true
 from tests.rigs.journals import assert_whole, cut_after_each
 from tests.rigs.turns import Turns, sooner_ended
 
@@ -110,6 +110,7 @@ def agree(seed: int, folder: Path) -> Counter[str]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(test_talk_handover, "SENTENCES", (*SENTENCES, *LISTS, *LISTS))
         before = Held(seed, folder / "talked.journal")
+    assert all(len(each.ends) == 1 and is_true(each) for each in before.given), seed
     found, rng = Counter[str](), random.Random(seed)
     alive = [step.seq for step in before.steps if step.outcome is None]
     chosen = set(rng.sample(alive, min(len(alive), MOST_CUTS)))
@@ -121,6 +122,7 @@ def agree(seed: int, folder: Path) -> Counter[str]:
         assert not continued.ordered(), (seed, step.seq)
         assert len(continued.ends()) == 1, (seed, step.seq, continued.ends())
         found["killed"] += 1
+    found["ordered"] += len(before.given)
     found["read back"] += sum("Is that right?" in line.text for line in before.lines)
     return found
 
