@@ -98,7 +98,8 @@ class ModelSide:
         if is_silent:
             text = f"{language.text('model_silent')} {text}"
         self._speaking.answer(text, utterance, way="unknown")
-        self._offers.offer(utterance)
+        if not self._unread.knows(utterance.text, view):
+            self._offers.offer(utterance)
 
     def _begin(self, utterance: Utterance) -> None:
         talk, turn = self._talk, self._turns.begin(utterance, self._talk.now)

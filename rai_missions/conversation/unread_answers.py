@@ -78,6 +78,17 @@ class UnreadAnswers:
         parts += [language.text("unknown_more")] if is_first else []
         return " ".join(filter(None, parts))
 
+    def knows(self, text: str, view: StatusView) -> bool:
+        """Whether facts answer a sentence that asks for them, and for nothing to be done: `how hot is the hob?`.
+
+        Args:
+            text: The sentence.
+            view: The run.
+        """
+        sentence, words = _unread(text, self._language), self._language.normaliser.words(text)
+        is_request = not set(self._language.data["requesting"]).isdisjoint(words)
+        return sentence.kind == "question" and not is_request and bool(self._answers.nearest(sentence.subject, view))
+
     def _asked(self, words: Sequence[str], view: StatusView) -> str:
         """The robot's own state, where a question is put to it; else nothing."""
         return self._answers.status(view) if set(words) & set(self._language.data["addressing"]) else ""

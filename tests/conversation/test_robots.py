@@ -134,7 +134,7 @@ def rights(name: str, kind: str) -> Iterator[bool]:
 
 MODES = {"start": "running", "resume": "running", "stop": "paused", "pause": "paused"}
 LEAST = {
-    "orders": (60, 46), "questions": (33, 27), "answers": (22, 21), "stops": (20, 20), "harmless": (37, 33),
+    "orders": (60, 46), "questions": (35, 29), "answers": (22, 21), "stops": (20, 20), "harmless": (37, 33),
     "dialogues": (37, 30),
 }  # fmt: skip
 """Those that are read right, of the half that was read and of the other."""
@@ -176,3 +176,12 @@ def halves(kind: str) -> tuple[int, int]:
 def test_as_many_sentences_for_the_robots_are_read_right_as_before(kind: str) -> None:
     found = halves(kind)
     assert all(each >= least for each, least in zip(found, LEAST[kind], strict=True)), found
+
+
+@pytest.mark.parametrize(("text", "is_offered"), [
+    ("how hot is the hob", False), ("could you see to the hob?", True),
+])  # fmt: skip
+def test_a_question_that_facts_answer_offers_no_order(text: str, is_offered: bool) -> None:
+    settings, view = robot("kitchen_arm")
+    found = Dialogue(settings, view).on_utterance(Utterance(text, "operator", "terminal", "Eve", 9.0), view)
+    assert bool(ordered(found)) == is_offered
