@@ -7,7 +7,7 @@ Rule: a value without its stamp does not exist here; anyone who reads it can ask
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain
 from typing import Annotated, Any, Literal, NamedTuple, Self, TypeAlias
 
@@ -79,6 +79,7 @@ OWN_WORDS: Mapping[TypeName, tuple[str, ...]] = {
     "object": ("fields",),
     "number": RANGE,
     "integer": RANGE,
+    "string": ("enum",),
 }
 """Type → the words of a key that describe values of that type alone."""
 ALL_OWN = frozenset(chain(*OWN_WORDS.values()))
@@ -108,6 +109,8 @@ class Key(MissionModel):
     """Of an argument that is a number: the least value that the mission takes."""
     maximum: Number | None = None
     """Of an argument that is a number: the greatest value that the mission takes."""
+    enum: tuple[Text, ...] | None = Field(default=None, min_length=1)
+    """Of an argument that is a string: the values that the mission takes."""
     about: Text = ""
     """What it means, in a sentence, with its unit; questions and reports show it."""
 
@@ -123,6 +126,7 @@ class Key(MissionModel):
         frame: str = "",
         minimum: float | None = None,
         maximum: float | None = None,
+        enum: Sequence[str] | None = None,
         about: str = "",
     ) -> None: ...
 
@@ -142,6 +146,7 @@ class Key(MissionModel):
         if self.frame and self.type != "pose":
             yield fault("frame", f"only a pose has a 'frame', this is of type '{self.type}'", at=("frame",))
         yield from self._range_faults()
+        yield from self._enum_faults()
         if self.source != "robot" and self.initial is not None and (why := self._unfit_initial()):
             yield fault("initial", f"'initial' does not fit: {why}", at=("initial",))
 
@@ -163,6 +168,15 @@ class Key(MissionModel):
                 f"{self.maximum:g} is less than the minimum, {self.minimum:g}; no value fits",
                 at=("maximum",),
             )
+
+    def _enum_faults(self) -> Iterator[PydanticCustomError]:
+        """A list of values is of strings that a person gives."""
+        if self.enum is not None and (self.source != "argument" or self.type != "string"):
+            yield fault("enum", "only an argument of type 'string' has an 'enum'", at=("enum",))
+        listed = self.enum or ()
+        for at, value in enumerate(listed):
+            if value in listed[:at]:
+                yield fault("enum", f"'{value}' is there twice; keep one", at=("enum", at))
 
     @property
     def must_recur(self) -> bool:
@@ -225,6 +239,8 @@ def type_error(key: Key, value: Any, *, written: bool = False) -> str:
     if not is_within(value, key.minimum, key.maximum):
         least, most = ("" if each is None else f"{each:g}" for each in (key.minimum, key.maximum))
         return f"{value:g} is out of range; it must be {_range(least, most)}"
+    if key.enum is not None and value not in key.enum:
+        return f"there is no {clipped(repr(value), 80)}{suggestion(value, key.enum)}"
     if key.frame and value.get("frame") != key.frame:
         return f'{clipped(repr(value), 80)} is not in the frame of this key; it needs "frame": "{key.frame}"'
     for name, kind in (key.fields or {}).items():

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from rai_missions.check.finding import Found
@@ -37,6 +37,10 @@ class _DeclaredTypes:
     def frame(self, path: str) -> str | None:
         key = self._index.mission.blackboard.get(path)
         return key.frame if key is not None else None
+
+    def listed(self, path: str) -> Sequence[str] | None:
+        key = self._index.mission.blackboard.get(path)
+        return key.enum if key is not None else None
 
 
 def mismatched_comparisons(index: MissionIndex) -> Found:

@@ -49,9 +49,9 @@ def _answer_form(fields: Mapping[str, Any], offer: Offer) -> Mapping[str, Any]:
 
 
 def _argument_schema(key: KeyView) -> Mapping[str, Any]:
-    bounds = {"minimum": key.minimum, "maximum": key.maximum}
+    limits = {"minimum": key.minimum, "maximum": key.maximum, "enum": None if key.enum is None else list(key.enum)}
     kind = "array" if key.type == "list" else key.type if key.type in IN_WORDS else "object"
-    return {"type": kind, **{name: bound for name, bound in bounds.items() if bound is not None}}
+    return {"type": kind, **{name: limit for name, limit in limits.items() if limit is not None}}
 
 
 def _form(fields: Mapping[str, Any], **optional: Any) -> Mapping[str, Any]:
@@ -107,4 +107,6 @@ def _proposed_answer(order: Mapping[str, Any], view: StatusView) -> Sense | None
 
 
 def _key_of(view: KeyView) -> Key:
-    return Key(view.type, source="argument", frame=view.frame, minimum=view.minimum, maximum=view.maximum)
+    return Key(
+        view.type, source="argument", frame=view.frame, minimum=view.minimum, maximum=view.maximum, enum=view.enum
+    )

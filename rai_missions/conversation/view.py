@@ -6,7 +6,7 @@ Rule: every answer about the robot rests on this value alone, and on no sentence
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, NamedTuple
 
 from rai_missions.engine.decision import Offer, Question
@@ -39,6 +39,8 @@ class KeyView(NamedTuple):
     minimum: float | None = None
     """Of an argument: the least value that it may have."""
     maximum: float | None = None
+    enum: Sequence[str] | None = None
+    """Of an argument that is a string: the values that it may have; None is any."""
 
 
 class MissionView(NamedTuple):

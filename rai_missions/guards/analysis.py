@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 from rai_missions.guards.view import Truth
@@ -20,6 +20,9 @@ class Types(Protocol):
 
     def frame(self, path: str) -> str | None:
         """The frame of a pose's key; None where there is none."""
+
+    def listed(self, path: str) -> Sequence[str] | None:
+        """The values that an argument lists; None where it takes any."""
 
 
 class Sources(Protocol):

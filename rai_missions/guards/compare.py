@@ -5,11 +5,12 @@ from __future__ import annotations
 
 import json
 import operator
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
+from rai_missions.errors import suggestion
 from rai_missions.guards.analysis import Distinctions, Sources, TypeFault, Types
 from rai_missions.guards.at_once import asked_at_once
 from rai_missions.guards.expression import SIGNS
@@ -185,12 +186,20 @@ class Compare(Guard, word="key"):
             return ""
         if op.takes_list:
             wrong = [item for item in self.operand if not _can_be(kind, item)]
-            given = json_text(wrong[0]) if wrong else ""
-            return f"'{path}' is of type '{kind}' and never {given}; list values of that type" if wrong else ""
+            if not wrong:
+                return self._unlisted(types.listed(path))
+            return f"'{path}' is of type '{kind}' and never {json_text(wrong[0])}; list values of that type"
         if not _can_be(kind, self.operand):
             given = f"{json_text(self.operand)} is of type '{_type_of(self.operand)}'"
             return f"'{path}' is of type '{kind}', and {given}; compare with a value of its type"
-        return ""
+        return "" if op.orders else self._unlisted(types.listed(path))
+
+    def _unlisted(self, listed: Sequence[str] | None) -> str:
+        """Why the value is none that the argument takes; empty if it is one."""
+        values = self.operand if self._operator.takes_list else [self.operand]
+        if listed is None or not (wrong := [each for each in values if each not in listed]):
+            return ""
+        return f"'{self.key}' is never {json_text(wrong[0])}{suggestion(str(wrong[0]), listed)}"
 
     def form(self, wanted: bool, depth: int) -> Form:
         op, operand = self.op if wanted else OPPOSITES[self.op], self.operand

@@ -200,7 +200,8 @@ def _given(key: Key, value: Any) -> Key:
     """A key whose value the including mission gives for good: it is no argument of the run, unless it is an object."""
     if key.type == "object":  # such as a goal, of which a proof tries any
         return key.model_copy(update={"initial": value})
-    return key.model_copy(update={"initial": value, "source": "mission", "minimum": None, "maximum": None})
+    limits = dict.fromkeys(("minimum", "maximum", "enum"))
+    return key.model_copy(update={"initial": value, "source": "mission", **limits})
 
 
 def _within(transition: Transition) -> Transition:

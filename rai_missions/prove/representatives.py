@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property, partial
 from itertools import pairwise, product
 from typing import Any
@@ -18,7 +18,7 @@ from rai_missions.guards.compare import OPERATORS, truth
 from rai_missions.guards.near import distance
 from rai_missions.guards.view import Truth
 from rai_missions.image import Image
-from rai_missions.keys import Key
+from rai_missions.keys import Key, type_error
 from rai_missions.mission.mission import Mission
 from rai_missions.plain_data import is_number
 from rai_missions.planning.examples import GOALS
@@ -256,11 +256,20 @@ class Values:
         return GOALS if self.learned.goals_change else GOALS[:1]
 
     def _scalars(self, path: str, kind: str) -> Iterator[Any]:
+        """Those of its type that its key takes."""
+        return self._fitting(path, self._of_type(path, kind))
+
+    def _fitting(self, path: str, values: Iterable[Any]) -> Iterator[Any]:
+        key = self._keys.get(path)
+        return (each for each in values if key is None or not type_error(key, each))
+
+    def _of_type(self, path: str, kind: str) -> Iterator[Any]:
         learned = self.learned
         if "said" in learned.asked_of_goals(path) and kind == "string":
             yield from sorted({*requests(self._goals), *(e for e in learned.operands(path) if isinstance(e, str))})
         elif not learned.is_asked(path) or (not learned.atoms.get(path) and path not in learned.kin):
-            yield {"boolean": True, "string": OTHER, "number": 0.0, "integer": 0}.get(kind, OTHER)
+            plain = {"boolean": True, "string": OTHER, "number": 0.0, "integer": 0}.get(kind, OTHER)
+            yield next(iter([*self._bounds([path]), *self._listed([path], [])]), plain)
         elif kind == "boolean":
             yield from (False, True)
         elif kind in NUMBERS:
@@ -268,14 +277,26 @@ class Values:
         else:
             others = len(learned.kin_of(path))
             known = sorted({each for each in learned.operands(path) if isinstance(each, str)})
+            known += self._listed(learned.kin_of(path), known)
             known += [f"{OTHER} {number}" if number else OTHER for number in range(others)]
             yield from known if others > 1 or learned.is_sampled(path) else self._apart(path, known)
+
+    def _bounds(self, kin: Iterable[str]) -> list[float]:
+        """Where the ranges of these keys end."""
+        keys = [key for path in sorted(kin) if (key := self._keys.get(path)) is not None]
+        return [each for key in keys for each in (key.minimum, key.maximum) if each is not None]
+
+    def _listed(self, kin: Collection[str], known: Collection[str]) -> list[str]:
+        """What these keys list besides what is known: of one list as many values as can all differ."""
+        lists = {key.enum for path in kin if (key := self._keys.get(path)) is not None and key.enum is not None}
+        others = sorted({each for listed in lists for each in listed if each not in known})
+        return others[: len(kin)] if len(lists) == 1 else others
 
     def _numbers(self, path: str, *, whole: bool) -> Iterator[float]:
         """Every constant that it or its kin is compared with, and enough numbers between them to order the kin."""
         learned = self.learned
         kin = learned.kin_of(path)
-        numbers = set(filter(is_number, learned.operands(path)))
+        numbers = {*filter(is_number, learned.operands(path)), *self._bounds(kin)}
         constants, many = sorted(numbers), len(kin)
         if learned.is_sampled(path):
             yield from sorted({*SAMPLES, *_next_to(constants)})
@@ -311,7 +332,7 @@ class Values:
 
     def _apart(self, path: str, candidates: Iterable[Any]) -> Iterable[Any]:
         """Those that some guard treats otherwise than all before."""
-        return first_of_each(candidates, partial(_found_out, self.learned.atoms.get(path, ())))
+        return first_of_each(self._fitting(path, candidates), partial(_found_out, self.learned.atoms.get(path, ())))
 
     def _is_fixed(self, path: str, kin: set[str]) -> bool:
         """One argument among facts: where it lies makes no difference, as long as they can lie on either side."""

@@ -123,6 +123,18 @@ TRANSITION, ENTRY = "/states/a/transitions/0", "/states/a/entry/0"
             SMALL | {"blackboard": {"k": {"type": "integer", "source": "argument", "minimum": 2, "initial": 1}}},
             "/blackboard/k/initial: 'initial' does not fit: 1 is out of range; it must be 2 or more",
         ),
+        (
+            SMALL | {"blackboard": {"k": {"type": "string", "enum": ["a"]}}},
+            "/blackboard/k/enum: only an argument of type 'string' has an 'enum'",
+        ),
+        (
+            SMALL | {"blackboard": {"k": {"type": "string", "source": "argument", "enum": ["a", "b", "a"]}}},
+            "/blackboard/k/enum/2: 'a' is there twice; keep one",
+        ),
+        (
+            SMALL | {"blackboard": {"k": {"type": "string", "source": "argument", "enum": ["near"], "initial": "far"}}},
+            "/blackboard/k/initial: 'initial' does not fit: there is no 'far'; there is: near",
+        ),
         (SMALL | {"events": ["go", "stop", "go"]}, "/events/2: the event 'go' is declared already; keep one"),
         (SMALL | {"cancel_s": True}, "/cancel_s: true is not a number; write one, without quotes"),
         (SMALL | {"ready_s": -1}, "/ready_s: -1 is too small; it must be 0 or more"),

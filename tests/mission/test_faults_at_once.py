@@ -18,7 +18,7 @@ from rai_missions.states.decision import DecisionSpec
 Words = Mapping[str, Any]
 KEY = (
     {"type": "string"},
-    [{"initial": 5}, {"frame": "map"}, {"fields": {"a": "number"}}, {"minimum": 1}, {"maximum": 9}],
+    [{"initial": 5}, {"frame": "map"}, {"fields": {"a": "number"}}, {"minimum": 1}, {"maximum": 9}, {"enum": ["a"]}],
 )
 ASKED = {"question": "?", "options": {"go": {}, "wait": {}}, "fallback": "go"}
 DECISION = ASKED, [{"fallback": "walk"}, {"options": {"go": {}, "failed": {}, "canceled": {}}}]

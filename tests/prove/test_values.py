@@ -95,6 +95,33 @@ def test_numbers_next_to_an_argument_are_as_many_as_the_comparisons_distinguish(
         assert values[0] is None and len(values) == 1 + many
 
 
+def _values_of_argument(argument: Json, *guards: Json, **keys: Json) -> tuple[Any, ...]:
+    given: Json = {"source": "argument", "initial": argument.get("enum", [argument.get("minimum")])[0], **argument}
+    return environment(*guards, given=given, **keys).world.values.of("given")
+
+
+def test_an_argument_is_tried_with_listed_values_alone() -> None:
+    listed: Json = {"type": "string", "enum": ["east", "north", "south", "west"]}
+    here: Json = {"type": "string", "source": "robot", "max_age_s": 5}
+    is_west: Json = {"key": "given", "==": "west"}
+    is_here: Json = {"key": "here", "==": {"key": "given"}}
+    assert _values_of_argument(listed) == ("east",)
+    assert _values_of_argument(listed, is_west) == ("west", "east")
+    assert _values_of_argument({**listed, "enum": ["west"]}, is_west) == ("west",)
+    assert _values_of_argument(listed, is_here, here=here) == ("east", "north")  # two, which can differ
+    other: Json = {"type": "string", "source": "argument", "initial": "up", "enum": ["up", "west"]}
+    values = _values_of_argument(listed, {"key": "other", "==": {"key": "given"}}, other=other)
+    assert set(values) == set(listed["enum"])
+
+
+@pytest.mark.parametrize("limit", [0, 10, 20, 40, 41, 100])
+def test_an_argument_is_tried_with_values_of_its_range_alone(limit: int) -> None:
+    argument: Json = {"type": "integer", "minimum": 10, "maximum": 40}
+    tried = _values_of_argument(argument, {"key": "given", "<": limit})
+    assert tried and all(10 <= each <= 40 for each in tried)
+    assert {each < limit for each in tried} == {each < limit for each in range(10, 41)}
+
+
 def test_in_a_pause_what_was_asked_for_control_is_like_what_was_interrupted() -> None:
     cores = set()
     for finds, is_asked in ((0, False), (1, True)):

@@ -310,6 +310,16 @@ def test_an_argument_is_held_to_its_range(bounds: dict[str, float], given: float
         accepted(mission, {"given": given})
 
 
+def test_an_argument_is_one_of_its_listed_values() -> None:
+    mission = Mission.model_validate({
+        "name": "taking", "initial": "end", "states": {"end": {"final": "aborted"}},
+        "blackboard": {"given": {"type": "string", "source": "argument", "enum": ["water", "spray"]}},
+    })  # fmt: skip
+    assert accepted(mission, {"given": "spray"}) == {"given": "spray"}
+    with pytest.raises(DefinitionError, match="there is no 'sprai'; did you mean 'spray'"):
+        accepted(mission, {"given": "sprai"})
+
+
 @pytest.mark.parametrize("sort", WRITTEN)
 def test_an_argument_that_a_shell_made_text_is_refused_with_one_that_the_mission_takes(sort: str) -> None:
     mission = Mission.model_validate({

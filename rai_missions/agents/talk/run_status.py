@@ -231,6 +231,7 @@ def mission_view(mission: Mission) -> MissionView:
             fields=key.fields or {},
             minimum=key.minimum,
             maximum=key.maximum,
+            enum=key.enum,
         )
         for name, key in mission.keys_of("argument").items()
     )

@@ -4,12 +4,12 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from typing import Any
 
 from rai_missions.conversation import Settings
-from rai_missions.conversation.language import language, languages
+from rai_missions.conversation.language import language, languages, spoken
 from rai_missions.conversation.phrases import SLOT, Phrases
 from rai_missions.conversation.start_phrases import arguments_of
 from rai_missions.errors import DefinitionError, Fault, MissionError, UsageError, pointer, suggestion
@@ -20,9 +20,21 @@ from rai_missions.profile import ConversationPolicy, Robot
 __all__ = ("conversation_faults", "conversation_oddities", "settings_of")
 
 
-def settings_of(policy: ConversationPolicy | None) -> Settings:
-    """The settings of a robot's dialogue; those of no profile where it states none."""
+def settings_of(policy: ConversationPolicy | None, missions: Iterable[Mission] = ()) -> Settings:
+    """The settings of a robot's dialogue; those of no profile where it states none.
+
+    Args:
+        policy: As the profile has it.
+        missions: Those that the dialogue may start. The listed values of an argument are named as they are written,
+            where the profile has no names for them.
+    """
     policy = policy or ConversationPolicy()
+    listed = {
+        name: {spoken(value): value for value in key.enum}
+        for mission in missions
+        for name, key in mission.keys_of("argument").items()
+        if key.enum is not None
+    }
     return Settings(
         language=policy.language,
         may=policy.granted(),
@@ -30,7 +42,7 @@ def settings_of(policy: ConversationPolicy | None) -> Settings:
         late=policy.while_answering,
         phrases=policy.phrases,
         spoken=policy.spoken,
-        names=policy.names,
+        names={**listed, **policy.names},
         places=policy.places,
         questions=policy.questions,
         asked_with=policy.asked_with,

@@ -80,7 +80,7 @@ class TalkSession:
         if identity is not None:
             words = RobotWords(self._name, identity.first_sentence, _build(identity))
         self._runs = TalkRuns(config, waits=waits, is_reachable=lambda: self._is_reachable)
-        settings = settings_of(policy)
+        settings = settings_of(policy, [prepared.mission])
         self._agent = ConversationalAgent(
             settings,
             model=_model(options, prepared, identity),

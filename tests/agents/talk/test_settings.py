@@ -9,8 +9,10 @@ from typing import Any
 
 import pytest
 
-from rai_missions.agents.talk.settings import conversation_faults, conversation_oddities
+from rai_missions.agents.talk.run_status import mission_view
+from rai_missions.agents.talk.settings import conversation_faults, conversation_oddities, settings_of
 from rai_missions.cli.main import main
+from rai_missions.conversation import Dialogue, StatusView, TalkNote, Utterance
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import ConversationPolicy, Robot, load_profile
 
@@ -157,3 +159,17 @@ def test_the_house_is_ordered_about_in_sentences_that_fit_its_missions(name: str
         given = Mission.model_validate_json((folder / f"{mission}.json").read_text())
         assert conversation_faults(robot, given) == ()
         assert tuple(conversation_oddities(robot, given)) == ()
+
+
+def test_listed_values_are_named_as_they_are_written_where_the_profile_has_no_names() -> None:
+    argument: dict[str, Any] = {"type": "string", "source": "argument"}
+    keys = {"vent": {**argument, "enum": ["half_open", "shut"]}, "bed": {**argument, "enum": ["b1"]}, "crop": argument}
+    mission = Mission.model_validate({**MISSION, "blackboard": keys})
+    phrases: dict[str, Any] = {"set the vent to {vent}": {}}
+    policy = ConversationPolicy.model_validate({"phrases": phrases, "names": {"bed": {"first bed": "b1"}}})
+    settings = settings_of(policy, [mission])
+    assert settings.names == {"vent": {"half open": "half_open", "shut": "shut"}, "bed": {"first bed": "b1"}}
+    view = StatusView(mode="ready", missions=(mission_view(mission),))
+    out = Dialogue(settings, view).on_utterance(Utterance("set the vent to half open", "operator", "terminal"), view)
+    mapped = [each.data["order"] for each in out if isinstance(each, TalkNote) and each.kind == "mapped"]
+    assert [each["arguments"] for each in mapped] == [{"vent": "half_open"}]
