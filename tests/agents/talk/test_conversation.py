@@ -291,14 +291,17 @@ def test_an_end_that_no_one_could_read_is_reported_when_a_door_opens_and_marked(
 
 @pytest.mark.parametrize("stop", ["stop", "Stop!", "please stop now", "halt"])
 def test_a_stop_comes_through_a_flood_at_its_door(stop: str) -> None:
+    def flooded(text: str) -> str:
+        """Send until one is refused: on a busy machine a hundred may take longer than they are counted for."""
+        refusals = (talk.agent.receive(text, role="person", channel="topic", author="F") for _ in range(10_000))
+        return next(filter(None, refusals), "")
+
     with talked() as talk:
         running(talk)
-        refusals = [talk.agent.receive(f"flood {n}", role="person", channel="topic", author="F") for n in range(100)]
-        assert refusals[-1] == "too many sentences at once; wait a moment"
+        assert flooded("flood") == "too many sentences at once; wait a moment"
         assert talk.agent.receive(stop, role="person", channel="topic", author="Anna") == ""
         talk.until(lambda: talk.rig.runner.view.mode == "paused")
-        refusals = [talk.agent.receive("stop", role="person", channel="topic", author="F") for _ in range(100)]
-        assert refusals[-1] == "too many sentences at once; wait a moment"
+        assert flooded("stop") == "too many sentences at once; wait a moment"
 
 
 def test_a_reply_at_a_door_that_is_shut_is_shown_once_and_marked() -> None:
