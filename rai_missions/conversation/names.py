@@ -17,6 +17,7 @@ __all__ = (
     "key_named",
     "key_within",
     "keys_about",
+    "keys_of_whereabouts",
     "missions_named",
     "option_named",
     "option_place",
@@ -108,6 +109,13 @@ def keys_about(
     most = max((count for count, _, _ in shared.values()), default=0)
     paths = [path for count, _, path in shared.values() if count == most > 0]
     return [] if len(paths) > MOST_ABOUT or (whole and most < len(meant)) else paths
+
+
+def keys_of_whereabouts(keys: Mapping[str, KeyView], language: Language) -> list[str]:
+    """The keys of the robot that are where it is, by the last word of their names: `position_m`, or else `aisle`."""
+    last = {name: language.name_of(name).split()[-1:] for name, key in keys.items() if key.source == "robot"}
+    found = ([name for name, words in last.items() if words == [word]] for word in language.data["whereabouts"])
+    return next(filter(None, found), [])[:MOST_ABOUT]
 
 
 def missions_named(words: Sequence[str], view: StatusView, language: Language) -> list[MissionView]:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from rai_missions.conversation.build_answers import BUILD, build_sentence, knows_build
 from rai_missions.conversation.language import Language, spoken
 from rai_missions.conversation.mentions import count_sentence, mention_sentences
-from rai_missions.conversation.names import key_named, key_within, keys_about
+from rai_missions.conversation.names import key_named, key_within, keys_about, keys_of_whereabouts
 from rai_missions.conversation.places import place_named, place_sentence, place_words
 from rai_missions.conversation.question_words import question_text
 from rai_missions.conversation.run_words import control_text, end_text, goals_text
@@ -207,6 +207,8 @@ class StateAnswers:
     def _where(self, view: StatusView, _: Asker) -> str:
         poses = _poses(view)
         if not poses:
+            if paths := keys_of_whereabouts(view.keys, self.language):
+                return " ".join(key_sentence(path, view.keys, self.language) for path in paths)
             where = self._in_state(view) if view.is_alive else ""
             return f"{self.language.text('no_position')} {where}".strip()
         key = poses[0]

@@ -50,3 +50,19 @@ def test_other_talk_asks_for_nothing_by_sense(code: str) -> None:
     grammar, talk = Grammar(language(code)), SENTENCES["talk"][code]
     found = [each for each in talk if not grammar.senses(each, VIEW) and grammar.question_by_sense(each, VIEW)]
     assert len(found) <= MOST_ANSWERED * len(talk) + 1, found
+
+
+@pytest.mark.parametrize(("code", "text"), [("en", "where are you?"), ("de", "wo bist du?")])
+@pytest.mark.parametrize(("names", "meant"), [
+    (("position",), "Position: B4"), (("position_m",), "Position: B4"), (("current_location", "floor"), "B4"),
+    (("aisle", "position"), "Position: B4"), (("room_temperature",), ""), (("battery",), ""),
+])  # fmt: skip
+def test_a_robot_without_a_pose_is_where_a_key_of_that_name_has_it(
+    code: str, text: str, names: tuple[str, ...], meant: str
+) -> None:
+    keys = {name: KeyView(name, "string", "robot", value="B4", age_s=0.1) for name in names}
+    outputs = Dialogue(Settings(language=code), VIEW).on_utterance(
+        Utterance(text, "viewer", "page", at=1.0), VIEW._replace(keys=keys)
+    )
+    spoken = [each.text for each in outputs if isinstance(each, Speech)][-1]
+    assert meant in spoken if meant else language(code).text("no_position") in spoken
