@@ -73,6 +73,7 @@ def test_without_redaction_the_drill_finds_the_secrets(tmp_path: Path, monkeypat
     assert any(f"'{secret}' appears in run.journal" in each for each in found(tmp_path / "again", secret))
 
 
+@pytest.mark.long
 def test_without_guards_the_drill_finds_who_was_driven_over(tmp_path: Path) -> None:
     careless = yard_mission(options={"cross": {}, "detour": {}, "signal": {}, "finish": {}, "abort": {}})
     assert any("what must not be crossed was crossed" in each for each in found(tmp_path, CROSS, careless))

@@ -32,6 +32,7 @@ def unnotified(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(notifications.sys, "platform", "freebsd")
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("unnotified")
 def test_without_notifications_it_keeps_the_contract() -> None:
     made: list[Any] = []

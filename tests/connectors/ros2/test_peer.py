@@ -149,6 +149,7 @@ def test_goals_are_lost_when_their_server_is_killed(open_ros: Open, own_peer: Pe
     assert "is gone" in running.all[-1].why
 
 
+@pytest.mark.long
 def test_goals_are_lost_when_their_server_starts_again_and_new_ones_reach_it(open_ros: Open, own_peer: Peer) -> None:
     connector = open_ros()
     _, reports = start(connector, own_peer, RUN)
@@ -161,6 +162,7 @@ def test_goals_are_lost_when_their_server_starts_again_and_new_ones_reach_it(ope
         reborn.lines.wait(lambda reported: ["runs", goal_id] in reported, "the new server runs the new goal")
 
 
+@pytest.mark.long
 def test_a_server_that_answers_after_it_was_given_up_changes_nothing_and_its_goal_is_canceled(
     open_ros: Open, own_peer: Peer
 ) -> None:

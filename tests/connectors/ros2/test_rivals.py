@@ -169,6 +169,7 @@ def test_a_second_server_that_comes_later_is_reported_and_a_cancel_ends_the_goal
     assert first.executing == set()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("what", ["service", "goal"])
 def test_a_second_server_of_which_half_is_known_yet_takes_no_server_away(
     open_ros: Open, rig: Rig, what: str, monkeypatch: pytest.MonkeyPatch
@@ -198,6 +199,7 @@ def test_a_second_server_of_which_half_is_known_yet_takes_no_server_away(
     assert reply.outcome == "succeeded", reply
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("plans", "end"),
     [
@@ -254,6 +256,7 @@ def test_a_run_is_refused_while_two_servers_live(ours: Any, rig: Rig) -> None:
     assert [server.seen.all for server in servers] == [[], []]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("plan", "reasons"),
     [
@@ -326,6 +329,7 @@ def test_what_executes_when_a_run_has_ended_is_named(
     hold(open_ros, ours, first, second, after_s)
 
 
+@pytest.mark.long
 @pytest.mark.drill
 @settings(parent=quick, max_examples=60)
 @given(PLANS, st.none() | PLANS, SECONDS)

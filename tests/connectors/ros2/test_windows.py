@@ -52,6 +52,7 @@ def hold(connector: Any, server: ServerOnCall, moves: list[Any]) -> None:
         scene.end()
 
 
+@pytest.mark.long
 @given(moves=st.lists(goes, min_size=1, max_size=6))
 @example(moves=[("left", Script(cancel="late"), "runs"), ("right", Script(), "asked"), ("left", Script(), "over")])
 @example(moves=[("left", Script(accept="late"), "asked"), ("right", Script(cancel="refused"), "runs")])
