@@ -17,6 +17,7 @@ from rai_missions.conversation import Dialogue, Order, OrderEnd, Settings, Speec
 from rai_missions.conversation.inputs import OrderResult, RefusalKind
 from rai_missions.conversation.language import Language, language, languages
 from rai_missions.conversation.view import EndKind
+from rai_missions.mission.json_reader import read_json
 from rai_missions.testing import play_conversation
 
 PACKAGE = Path(__file__).parents[2] / "rai_missions"
@@ -25,6 +26,7 @@ SPEAK = sorted(
     + [PACKAGE / "voice" / name for name in ("speaker.py", "spoken_text.py")]
 )
 """The files between an event and a voice, a page or a topic."""
+FILES = sorted(PACKAGE.rglob("languages/*.json"))
 WORDS = re.compile(r"[^\W\d_]{2,}[ ,:;]+[^\W\d_]|[^\W\d_]{2,}[,:;] ")
 OF_A_KIND = re.compile("/(refused|end)_")
 """What may have the engine's sentence, which is English, or a text for its kind."""
@@ -56,6 +58,11 @@ def test_no_sentence_is_written_in_code(file: Path) -> None:
     if file.name in ("phrases.py", "language_faults.py"):  # their sentences are for the author of a profile or language
         return
     assert {each for each in literals(file) if WORDS.search(each)} <= NOT_SPOKEN
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: f"{file.parents[1].name}-{file.name}")
+def test_no_word_of_a_language_is_there_twice(file: Path) -> None:
+    assert read_json(file)["language"] == file.stem
 
 
 def texts(table: Mapping[str, Any], place: str = "") -> Iterator[tuple[str, str]]:
