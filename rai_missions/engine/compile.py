@@ -159,6 +159,8 @@ class CompiledMission:
     def configuration(self, atomic: Iterable[CompiledState]) -> Configuration:
         """The one `Configuration` of these innermost states."""
         nodes = tuple(sorted(atomic, key=lambda node: node.index))
+        if (found := self._configurations.get(nodes)) is not None:
+            return found
         around = {each for node in nodes for each in (node, *node.ancestors)} or {self.root}
         return self.configured(nodes, tuple(sorted(around, key=lambda node: node.index)))
 

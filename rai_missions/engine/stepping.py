@@ -76,9 +76,9 @@ def begin_run(program: Program, state: RunState, at: float) -> None:
     """Enter the mission; the step is not closed yet."""
     board, keys = state.board, program.keys
     state.at = max(at, state.at)
-    for name, (value, at) in [*board.items()]:
+    for name, (value, since) in [*board.items()]:
         key = keys[name]
-        if key.initial is not None and key.source != "robot" and at < state.at:
+        if key.initial is not None and key.source != "robot" and since < state.at:
             board[name] = Stamped(value, state.at)
     state.mode, state.held_since = "running", state.at
     state.frozen = dict.fromkeys(held_controls(program, state), state.at)
