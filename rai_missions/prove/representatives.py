@@ -10,7 +10,7 @@ import math
 from bisect import bisect_left
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property, partial
-from itertools import pairwise, product
+from itertools import islice, pairwise, product
 from typing import Any
 
 from rai_missions.engine.robot_facts import RobotFacts
@@ -269,7 +269,9 @@ class Values:
             yield from sorted({*requests(self._goals), *(e for e in learned.operands(path) if isinstance(e, str))})
         elif not learned.is_asked(path) or (not learned.atoms.get(path) and path not in learned.kin):
             plain = {"boolean": True, "string": OTHER, "number": 0.0, "integer": 0}.get(kind, OTHER)
-            yield next(iter([*self._bounds([path]), *self._listed([path], [])]), plain)
+            bounds = self._bounds([path])
+            within = [*bounds, *map(math.ceil, bounds), *map(math.floor, bounds), *self._listed([path], []), plain]
+            yield from islice(self._fitting(path, within), 1)
         elif kind == "boolean":
             yield from (False, True)
         elif kind in NUMBERS:

@@ -114,6 +114,13 @@ def test_an_argument_is_tried_with_listed_values_alone() -> None:
     assert set(values) == set(listed["enum"])
 
 
+@pytest.mark.parametrize(("kind", "least", "value"), [
+    ("integer", 0.5, 1), ("integer", 2, 2), ("number", 0.5, 0.5), ("integer", -0.5, 0),
+])  # fmt: skip
+def test_an_argument_that_is_not_compared_has_one_value_of_its_range(kind: str, least: float, value: float) -> None:
+    assert _values_of_argument({"type": kind, "minimum": least, "maximum": 9.5, "initial": 3}) == (value,)
+
+
 @pytest.mark.parametrize("limit", [0, 10, 20, 40, 41, 100])
 def test_an_argument_is_tried_with_values_of_its_range_alone(limit: int) -> None:
     argument: Json = {"type": "integer", "minimum": 10, "maximum": 40}
