@@ -25,9 +25,8 @@ SLOT = re.compile(r"\{(\w+)\}")
 WORDS = r"(?:\S+ )+?"
 AROUND = "…"
 """The place of the object in a verb that is around it."""
-
-
 NO_SLOTS: Mapping[str, str] = {}
+"""Any words may be in each slot."""
 
 
 def _compiled(

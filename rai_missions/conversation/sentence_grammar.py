@@ -62,10 +62,10 @@ class SentenceGrammar:
         self._things = frozenset(language.data["thing_pronouns"])
         self._undecided = language.negations | {language.text("or")}
         self._subjects = pronouns - self._things
-        places = frozenset(each.split()[-1] for each in language.data["there"])
-        self._referring = self._things | places | (pronouns & language.articles)
-        """Words of which one is in each sentence that is about what was named before."""
         self._there = sorted((each.split() for each in language.data["there"]), key=len, reverse=True)
+        self._ends_of_there = frozenset(each[-1] for each in self._there)
+        self._referring = self._things | self._ends_of_there | (pronouns & language.articles)
+        """Words of which one is in each sentence that is about what was named before."""
         self._persons = pronouns - language.articles
         self._view: StatusView | None = None
         self._known = dict[tuple[str, ...], tuple[Sense, ...]]()
@@ -190,7 +190,7 @@ class SentenceGrammar:
 
     def _is_about_earlier(self, words: Sequence[str], view: StatusView) -> bool:
         """Whether words are no start by themselves, or have one of the words for a place that was named."""
-        return self.start_in(words, view) is None or any(each[-1] in words for each in self._there)
+        return self.start_in(words, view) is None or not self._ends_of_there.isdisjoint(words)
 
     def _placed(self, words: Sequence[str], view: StatusView, before: Sequence[Sequence[str]]) -> Sense | None:
         """The start with the place that was named last for `there`: `wait there`; None where there is none."""

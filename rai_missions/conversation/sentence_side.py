@@ -7,6 +7,7 @@ Rule: nothing is ordered here; whatever a sentence may order goes to the `OrderS
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from typing import Literal
 
 from rai_missions.conversation.confirmation import CROSSING_S
@@ -76,6 +77,8 @@ class SentenceSide:
         self._talk, self._speaking, self._orders, self._documents = talk, speaking, orders, documents
         self._models, self._offers = models, offers
         self._grammar, self._suggestions = grammar, suggestions
+        self._certain_words = lru_cache(talk.settings.history)(self._words_of)
+        """Of turns, which are read for each sentence that follows them."""
         self._unfinished = dict[tuple[str, str], EarlierOrder]()
         """Speaker → the order that its last sentence had refused or dropped, and which its next may complete."""
         self._closed, self._closed_at = tuple[Question, ...](), float("-inf")
@@ -97,11 +100,16 @@ class SentenceSide:
 
     def _earlier(self, utterance: Utterance) -> list[list[str]]:
         """The words of its speaker and of the robot's replies there, in the last minutes, the last at the end."""
-        words, now = self._talk.language.normaliser.words, self._talk.now
+        now = self._talk.now
         turns = (each for each in self._talk.turns if now - each.at < RECALL_S and each.number != utterance.number)
         own = (each for each in turns if (each.channel, each.author) in (utterance.speaker, (utterance.channel, "")))
-        found = (words(each.text) for each in own)
-        return [each for each in found if self._talk.starts.is_certain(each)]
+        found = (self._certain_words(each.text) for each in own)
+        return [words for words in found if words is not None]
+
+    def _words_of(self, text: str) -> list[str] | None:
+        """The words of a turn; None where they name a choice, of which none is meant."""
+        words = self._talk.language.normaliser.words(text)
+        return words if self._talk.starts.is_certain(words) else None
 
     def _draft(self, utterance: Utterance) -> Draft | None:
         """The order that this sentence may correct: its speaker's last, one that is read back, or one just taken."""
