@@ -17,6 +17,15 @@ CLAUSES = re.compile(r"(?:,(?!\d)|[;:()\n–—…|/])+|\s-+\s|[.!?]+\s+|(?<!\b[
 PAUSE = r"(?:,(?!\d)|[;:()\n…|/])+|[.!?]+\s|\s[–—-]+\s"
 """What is between two clauses of which each could be a sentence."""
 POSSESSIVE = re.compile(r"(?<=\w{3})'s\b")
+SIGNS = re.compile(r"[.!?:;,\n]")
+"""What is in no name of a thing, but between words or at the end of a sentence."""
+LONGEST_NAME = 2
+"""Words of a name, without articles: `the red cup`."""
+PREDICATIVE = (
+    "second", "auxiliaries", "perfect", "modals", "acts", "states", "strong", "deictic", "particles", "negations",
+    "stative", "adverbs", "person", "it", "gerund_verbs",
+)  # fmt: skip
+"""The lists whose words are of a predicate, or are its subject."""
 SubjectKind = Literal["self", "it", "work", "soft", "let"]
 
 
@@ -59,6 +68,7 @@ class ClaimWords:
         """The words with which a question begins."""
         self.owned = self.definite | self.possessive
         small = self.function.union(self.adverbs, self.articles, self.auxiliaries, self.modals, self.person)
+        self._predicative = self.self_words.union(*(getattr(self, each) for each in PREDICATIVE)) - self.articles
         self._small = small.union(self.substances, self.quantities)
 
     def __getattr__(self, name: str) -> frozenset[str]:
@@ -104,6 +114,14 @@ class ClaimWords:
     def share(self, words: Sequence[str]) -> float:
         """How many of the words are the language's small words; 0 to 1."""
         return sum(word in self._small for word in words) / max(len(words), 1)
+
+    def is_name(self, text: str) -> bool:
+        """Whether a text may name something and states nothing: few words, none of a predicate, and no sign."""
+        words = self.words(text)
+        is_short = 0 < len([each for each in words if each not in self.articles | self.owned]) <= LONGEST_NAME
+        if not is_short or SIGNS.search(text) or self._predicative & set(words):
+            return False
+        return not any(self.is_past(each) or self.is_progressive(each) for each in words)
 
     def place_in(self, words: Sequence[str]) -> list[str]:
         """The words of a certain place in a clause; empty where it has none."""

@@ -23,6 +23,7 @@ from rai_missions.conversation.claim_words import CLAUSES
 from rai_missions.conversation.harmless_clauses import LEAST_PREDICATE
 from rai_missions.conversation.judged_sentence import CERTAIN, ClaimKind, JudgedSentence, claim_rules
 from rai_missions.conversation.language import language, languages, spoken
+from rai_missions.conversation.sentences import sentences
 from rai_missions.conversation.view import StatusView
 from rai_missions.planning.text.normalise import LONGEST_WORD, readable
 from rai_missions.redaction import HIDDEN, cut
@@ -49,10 +50,12 @@ DONE_SIGNS = frozenset("✅✔☑🏁🎉👍👌🆗💯🚀")
 """Signs that report a result without a word."""
 UNKNOWN: frozenset[ClaimKind] = frozenset(("", "language", "fragment"))
 """The kinds that show nothing of a clause among others: a name or an item of a list is a fragment, too."""
+NAMED: frozenset[ClaimKind] = UNKNOWN | {"subject", "report", "place"}
+"""The kinds that a name may have: `the red cup` begins as a subject does."""
 LEAST_SHARE = 0.15
 """Of a sentence's words that are another language's small words, below which it is not judged by that one's rules."""
 LONGEST_PIECE = 4
-"""Words up to which a sentence may be the beginning of the next: `The way. Is free.`"""
+"""Words up to which a sentence may be the beginning of the next, as in `The way. Is free.`, or a value no sentence."""
 LONGEST_BEGUN = 400
 """Characters of what was begun that are kept."""
 LEAST_SCORED = 3
@@ -85,6 +88,26 @@ class Claims:
         judged = [sentence] if parts == [plain(sentence)] else [sentence, *parts]
         whole = (self._why(each, view) for each in judged)
         return next(filter(None, chain(whole, (self._why_clause(each, view) for each in judged))), "")
+
+    def why_refused(self, text: str, view: StatusView) -> ClaimKind:
+        """Why a text is no value of an order; empty where it may be read back: a name may be no sentence.
+
+        Args:
+            text: A model's.
+            view: The run.
+        """
+        whole, rest = sentences(text)
+        each = (sentence for sentence in (" ".join(text.split()), *whole, rest) if sentence)
+        return next(filter(None, (self._why_value(sentence, view) for sentence in each)), "")
+
+    def _why_value(self, text: str, view: StatusView) -> ClaimKind:
+        """See `why_refused`; of the whole text, or of a sentence in it."""
+        if plain(text) == text and self._own.is_name(text) and self.why_suspected(text, view) in NAMED:
+            return ""
+        if len(text.split()) > LONGEST_PIECE:
+            return self.why_replaced(text, view)
+        parts = (plain(each) for each in statements(text))
+        return next(filter(None, (self._why_stated_clause(each, view, self._weights.least) for each in parts)), "")
 
     def _why_clause(self, sentence: str, view: StatusView) -> ClaimKind:
         """See `why_replaced`; of the clauses of a sentence of which each states something by itself."""

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sentences that the rules do not know: a model is asked, and its text goes out labelled, sentence by sentence.
 
-Rule: a model's sentence about the robot or its work is replaced by the status; a model's order is read back.
+Rule: a model's sentence about the robot or its work is replaced by the status, and so is its order with such a text;
+any other order is read back.
 """
 
 from __future__ import annotations
@@ -9,12 +10,14 @@ from __future__ import annotations
 from rai_missions.conversation.claims import Claims
 from rai_missions.conversation.document_side import DocumentSide
 from rai_missions.conversation.inputs import ModelText, SpeechEnd, Utterance
+from rai_missions.conversation.judged_sentence import ClaimKind
 from rai_missions.conversation.model_turns import ModelTurn, ModelTurns
 from rai_missions.conversation.offer_side import OfferSide
 from rai_missions.conversation.order_forms import order_forms, proposed
 from rai_missions.conversation.order_rules import may
 from rai_missions.conversation.order_side import OrderSide
 from rai_missions.conversation.outputs import AskModel, DropModel
+from rai_missions.conversation.proposed_texts import own_texts
 from rai_missions.conversation.question_words import options_text
 from rai_missions.conversation.sentences import SentenceStream
 from rai_missions.conversation.speech_side import SpeechSide
@@ -149,19 +152,28 @@ class ModelSide:
         joined = self._claims.begun(turn.before, sentence, self._talk.view)
         if joined and not why:
             why = self._claims.why_replaced(joined, self._talk.view)
-        if not why:
-            speech = self._speaking.answer(sentence, utterance, way="model")
-            self._spoken[speech.key] = turn.number
-            return turn._replace(spoken=turn.spoken + 1, before=joined or sentence)
-        self._talk.note("replaced", request=turn.number, text=sentence, by=why)
+        if why:
+            return self._replace(sentence, why, turn)
+        speech = self._speaking.answer(sentence, utterance, way="model")
+        self._spoken[speech.key] = turn.number
+        return turn._replace(spoken=turn.spoken + 1, before=joined or sentence)
+
+    def _replace(self, text: str, why: ClaimKind, turn: ModelTurn) -> ModelTurn:
+        """The status goes out in the place of a claim, once a reply."""
+        self._talk.note("replaced", request=turn.number, text=text, by=why)
         if not turn.is_replaced:
             status = self._talk.answers.status(self._talk.view)
-            self._speaking.answer(status, utterance)
+            self._speaking.answer(status, turn.utterance)
         return turn._replace(spoken=turn.spoken + 1, before="", is_replaced=True)
 
     def _propose(self, order: object, turn: ModelTurn) -> ModelTurn:
-        """An order that the model read in the person's sentence; it is judged as that person's."""
-        sense = proposed(order, self._talk.view)
+        """An order that the model read in the person's sentence; it is judged as that person's, its texts as claims."""
+        talk = self._talk
+        sense, persons = proposed(order, talk.view), [each.text for each in talk.turns if each.by != "robot"]
+        texts = own_texts(sense, persons, talk.view, talk.language) if sense is not None else []
+        claims = ((text, why) for text in texts if (why := self._claims.why_refused(text, talk.view)))
+        for text, why in claims:
+            return self._replace(cut(text, LONGEST_NOTE), why, turn)
         if sense is None:
             shown = cut(repr(plain(order)), LONGEST_NOTE)
             self._talk.note("refused", number=turn.utterance.number, order=shown, by="form")
