@@ -2,8 +2,9 @@
 """Learns how much each word of a model's sentence sounds like a claim: `python scripts/claim_weights.py`.
 
 Reads the sentences in `tests/conversation/data` (`claims.json`, `claims_learned.json`) and writes
-`rai_missions/conversation/claim_weights/`. Needs scikit-learn: `pip install -e .[learn]`. `--dry` only prints what each
-group of sentences would come to if nothing of its writer had been learned; `claims_held_out.json` is never learned.
+`rai_missions/conversation/claims/claim_weights/`. Needs scikit-learn: `pip install -e .[learn]`. `--dry`
+only prints what each group of sentences would come to if nothing of its writer had been learned;
+`claims_held_out.json` is never learned.
 """
 
 from __future__ import annotations
@@ -24,9 +25,9 @@ from sklearn.linear_model import LogisticRegression
 from sklearn.preprocessing import normalize
 
 from rai_missions.conversation import StatusView
-from rai_missions.conversation.claim_score import FOLDER, ClaimWeights, features
-from rai_missions.conversation.claims import Claims, plain, scored_clauses
-from rai_missions.conversation.judged_sentence import CERTAIN
+from rai_missions.conversation.claims.claim_score import FOLDER, ClaimWeights, features
+from rai_missions.conversation.claims.claims import Claims, plain, scored_clauses
+from rai_missions.conversation.claims.judged_sentence import CERTAIN
 
 DATA = Path(__file__).parent.parent / "tests/conversation/data"
 VIEW = StatusView(robot="rosbot, simulated", mission="rosbot_patrol")

@@ -39,10 +39,10 @@ from rai_missions.conversation import (
     TalkNote,
     Utterance,
 )
-from rai_missions.conversation.grammar import Grammar
+from rai_missions.conversation.grammar.grammar import Grammar
+from rai_missions.conversation.grammar.likeness import Likeness, WordLikeness
 from rai_missions.conversation.inputs import OrderResult, SpeechResult
-from rai_missions.conversation.language import language
-from rai_missions.conversation.likeness import Likeness, WordLikeness
+from rai_missions.conversation.language.language import language
 from rai_missions.embodiment.library import Library
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError, raised_text, suggestion

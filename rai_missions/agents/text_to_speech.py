@@ -14,7 +14,7 @@ from rai_missions.connectors.connector import Close
 from rai_missions.connectors.hri.connector import TO_HUMAN, HRIConnector
 from rai_missions.connectors.hri.message import HRIMessage
 from rai_missions.connectors.sound.connector import SoundConnector
-from rai_missions.conversation.language import language as words_of
+from rai_missions.conversation.language.language import language as words_of
 from rai_missions.voice.process import SpeechProcess
 from rai_missions.voice.setup import split_options
 from rai_missions.voice.speaker import Speaker

@@ -3,10 +3,13 @@
 
 No threads, no clocks, no models: values come in with their instant, and values go out. Agents build the rest around it.
 
+Its parts, each above the next: `dialogue` drives the others; `claims` judges the text of a model, `answers` puts what
+is known into words; `grammar` reads words; `language` is the data of both ways.
+
 Imports `engine`, `mission`, `model`, `planning`, `profile` and `voice`, and the modules of the root.
 """
 
-from rai_missions.conversation.dialogue import Dialogue
+from rai_missions.conversation.dialogue.dialogue import Dialogue
 from rai_missions.conversation.inputs import DocumentQuote, FoundQuotes, ModelText, OrderEnd, SpeechEnd, Utterance
 from rai_missions.conversation.outputs import (
     AskModel,

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rai_missions.conversation.conversation_file import ConversationFile
-from rai_missions.conversation.dialogue import Dialogue
+from rai_missions.conversation.dialogue.dialogue import Dialogue
 from rai_missions.conversation.inputs import (
     DocumentQuote,
     FoundQuotes,

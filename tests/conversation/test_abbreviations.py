@@ -6,9 +6,9 @@ from __future__ import annotations
 import pytest
 
 from rai_missions.conversation import StatusView
-from rai_missions.conversation.grammar import Grammar
-from rai_missions.conversation.language import language, languages
-from rai_missions.conversation.senses import STOP
+from rai_missions.conversation.grammar.grammar import Grammar
+from rai_missions.conversation.grammar.senses import STOP
+from rai_missions.conversation.language.language import language, languages
 
 TITLES = [(code, title) for code in languages() for title in language(code).data["titles"]]
 NUMBERING = [(code, *each) for code in languages() for each in language(code).data["numbering"].items()]

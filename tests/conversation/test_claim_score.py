@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.conversation import StatusView
-from rai_missions.conversation.claim_score import claim_weights, features
-from rai_missions.conversation.claims import Claims
-from rai_missions.conversation.judged_sentence import CERTAIN
+from rai_missions.conversation.claims.claim_score import claim_weights, features
+from rai_missions.conversation.claims.claims import Claims
+from rai_missions.conversation.claims.judged_sentence import CERTAIN
 from tests.conversation.stored import CLAIMS, read
 
 VIEW = StatusView(robot="rosbot, simulated", mission="rosbot_patrol")

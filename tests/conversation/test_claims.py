@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from rai_missions.conversation import KeyView
-from rai_missions.conversation.claim_score import claim_weights
-from rai_missions.conversation.claims import Claims
+from rai_missions.conversation.claims.claim_score import claim_weights
+from rai_missions.conversation.claims.claims import Claims
 from tests.conversation.stored import CLAIMS, PATROLLING, read
 
 VIEW = PATROLLING._replace(run="", mode="")

@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import pytest
 
-from rai_missions.conversation.grammar import Grammar
-from rai_missions.conversation.language import language, languages
-from rai_missions.conversation.senses import STOP, Sense
-from rai_missions.conversation.start_phrases import StartPhrases
+from rai_missions.conversation.grammar.grammar import Grammar
+from rai_missions.conversation.grammar.senses import STOP, Sense
+from rai_missions.conversation.grammar.start_phrases import StartPhrases
+from rai_missions.conversation.language.language import language, languages
 from rai_missions.engine.decision import Offer, Question
 from tests.conversation.stored import ASSISTING
 

@@ -12,12 +12,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rai_missions.conversation import KeyView, MissionView, StatusView
-from rai_missions.conversation.grammar import Grammar
-from rai_missions.conversation.language import language, languages
-from rai_missions.conversation.names import option_named
-from rai_missions.conversation.phrases import Phrases, example_of
-from rai_missions.conversation.senses import STOP, Sense
-from rai_missions.conversation.start_phrases import StartPhrases
+from rai_missions.conversation.grammar.grammar import Grammar
+from rai_missions.conversation.grammar.names import option_named
+from rai_missions.conversation.grammar.senses import STOP, Sense
+from rai_missions.conversation.grammar.start_phrases import StartPhrases
+from rai_missions.conversation.language.language import language, languages
+from rai_missions.conversation.language.phrases import Phrases, example_of
 from rai_missions.engine.decision import Offer, Question
 from rai_missions.errors import UsageError
 from tests.conversation.stored import ARGUMENTS, SENTENCES

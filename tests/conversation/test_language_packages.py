@@ -15,8 +15,8 @@ import pytest
 from rai_missions.agents.talk.settings import conversation_faults
 from rai_missions.cli.main import main
 from rai_missions.conversation import Dialogue, ModelText, Settings, Speech, StatusView, Utterance
-from rai_missions.conversation.language import language, languages
-from rai_missions.conversation.language_faults import language_faults
+from rai_missions.conversation.language.language import language, languages
+from rai_missions.conversation.language.language_faults import language_faults
 from rai_missions.errors import UsageError
 from rai_missions.profile import ConversationPolicy, Robot
 

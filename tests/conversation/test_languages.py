@@ -15,7 +15,7 @@ import pytest
 
 from rai_missions.conversation import Dialogue, Order, OrderEnd, Settings, Speech, StatusView, Utterance
 from rai_missions.conversation.inputs import OrderResult, RefusalKind
-from rai_missions.conversation.language import Language, language, languages
+from rai_missions.conversation.language.language import Language, language, languages
 from rai_missions.conversation.view import EndKind
 from rai_missions.mission.json_reader import read_json
 from rai_missions.testing import play_conversation

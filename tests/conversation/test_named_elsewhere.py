@@ -8,7 +8,7 @@ from itertools import permutations, product
 import pytest
 
 from rai_missions.conversation import Dialogue, TalkNote, Utterance
-from rai_missions.conversation.language import languages
+from rai_missions.conversation.language.language import languages
 from tests.conversation.stored import ASSISTING, read_back, settings_in
 
 PHRASES = {

@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.conversation import KeyView, MissionView, StatusView
-from rai_missions.conversation.arguments import BadValue, key_value
-from rai_missions.conversation.grammar import Grammar
-from rai_missions.conversation.language import language, languages
-from rai_missions.conversation.senses import Sense
-from rai_missions.conversation.start_phrases import StartPhrases
+from rai_missions.conversation.grammar.arguments import BadValue, key_value
+from rai_missions.conversation.grammar.grammar import Grammar
+from rai_missions.conversation.grammar.senses import Sense
+from rai_missions.conversation.grammar.start_phrases import StartPhrases
+from rai_missions.conversation.language.language import language, languages
 from rai_missions.planning.text.numbers import number, numbered
 
 ARGUMENTS = (

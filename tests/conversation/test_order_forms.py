@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 
-from rai_missions.conversation.order_forms import order_forms, proposed
+from rai_missions.conversation.dialogue.order_forms import order_forms, proposed
 from rai_missions.conversation.view import KeyView, MissionView, StatusView
 from rai_missions.engine.decision import Offer, Question
 from rai_missions.profile import ORDERS

@@ -26,7 +26,7 @@ from rai_missions.conversation import (
     TalkNote,
     Utterance,
 )
-from rai_missions.conversation.language import language, languages
+from rai_missions.conversation.language.language import language, languages
 from rai_missions.engine.modes import next_mode
 from rai_missions.planning.text.normalise import each_way
 from tests.conversation.stored import settings_in

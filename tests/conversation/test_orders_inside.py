@@ -17,7 +17,7 @@ from rai_missions.conversation import (
     Speech,
     Utterance,
 )
-from rai_missions.conversation.language import language, languages
+from rai_missions.conversation.language.language import language, languages
 from rai_missions.planning.text.normalise import NEAREST as LEAST_MENDED
 from tests.conversation.stored import ARGUMENTS, ASSISTING, read_back, settings_in
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 import pytest
 
 from rai_missions.conversation import Dialogue, KeyView, Order, Settings, Speech, StatusView, TalkNote, Utterance
-from rai_missions.conversation.grammar import Grammar
-from rai_missions.conversation.language import language
+from rai_missions.conversation.grammar.grammar import Grammar
+from rai_missions.conversation.language.language import language
 from tests.conversation.stored import SENTENCES, read
 
 STORED = read("questions.json")

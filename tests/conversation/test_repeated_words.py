@@ -9,10 +9,10 @@ from itertools import product
 import pytest
 
 from rai_missions.conversation import StatusView
-from rai_missions.conversation.grammar import Grammar
-from rai_missions.conversation.language import language, languages
-from rai_missions.conversation.phrases import example_of
-from rai_missions.conversation.start_phrases import StartPhrases
+from rai_missions.conversation.grammar.grammar import Grammar
+from rai_missions.conversation.grammar.start_phrases import StartPhrases
+from rai_missions.conversation.language.language import language, languages
+from rai_missions.conversation.language.phrases import example_of
 from tests.conversation.stored import ASSISTING
 from tests.conversation.test_forms_of_orders import PHRASES, PLACES
 from tests.conversation.test_order_lists import ORDERS

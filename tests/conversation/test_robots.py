@@ -24,8 +24,8 @@ from rai_missions.conversation import (
     TalkNote,
     Utterance,
 )
-from rai_missions.conversation.grammar import Grammar
-from rai_missions.conversation.language import language
+from rai_missions.conversation.grammar.grammar import Grammar
+from rai_missions.conversation.language.language import language
 from rai_missions.engine.decision import Offer, Question
 from tests.conversation.stored import read
 

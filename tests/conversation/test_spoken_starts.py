@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import pytest
 
-from rai_missions.conversation.language import language
-from rai_missions.conversation.spoken_starts import SpokenStarts
+from rai_missions.conversation.answers.spoken_starts import SpokenStarts
+from rai_missions.conversation.language.language import language
 from rai_missions.conversation.view import KeyView
 
 

@@ -8,9 +8,9 @@ from itertools import product
 import pytest
 
 from rai_missions.conversation import Dialogue, Order, Speech, Utterance
-from rai_missions.conversation.grammar import Grammar
-from rai_missions.conversation.language import language, languages
-from rai_missions.conversation.senses import STOP
+from rai_missions.conversation.grammar.grammar import Grammar
+from rai_missions.conversation.grammar.senses import STOP
+from rai_missions.conversation.language.language import language, languages
 from tests.conversation.stored import ASSISTING, PATROLLING, settings_in
 
 STOPPING = {"en": ("stop", "halt", "freeze"), "de": ("stopp", "stop", "anhalten")}

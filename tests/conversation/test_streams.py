@@ -25,7 +25,7 @@ from rai_missions.conversation import (
     StatusView,
     Utterance,
 )
-from rai_missions.conversation.model_turns import MOST_SENTENCES
+from rai_missions.conversation.dialogue.model_turns import MOST_SENTENCES
 from rai_missions.conversation.sentences import LONGEST_SENTENCE, SentenceStream
 from tests.conversation.stored import PATROLLING
 

@@ -14,7 +14,7 @@ from rai_missions.conversation import (
     TalkNote,
     Utterance,
 )
-from rai_missions.conversation.language import language, languages
+from rai_missions.conversation.language.language import language, languages
 from rai_missions.engine.modes import Mode
 from rai_missions.event import Role
 from tests.conversation.stored import ASSISTING, SENTENCES, read_back, settings_in

@@ -25,7 +25,7 @@ from rai_missions.conversation import (
     TalkNote,
     Utterance,
 )
-from rai_missions.conversation.confirmation import CROSSING_S
+from rai_missions.conversation.dialogue.confirmation import CROSSING_S
 from tests.rigs.laws import drill
 
 ARGUMENTS = tuple(KeyView(name, "string", "argument") for name in ("task", "place"))

@@ -9,11 +9,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.conversation import Dialogue, Order, Speech, StatusView, TalkNote, Utterance
-from rai_missions.conversation.grammar import Grammar
-from rai_missions.conversation.language import language, languages
-from rai_missions.conversation.order_words import order_words
-from rai_missions.conversation.spoken_starts import SpokenStarts
-from rai_missions.conversation.start_phrases import StartPhrases
+from rai_missions.conversation.answers.order_words import order_words
+from rai_missions.conversation.answers.spoken_starts import SpokenStarts
+from rai_missions.conversation.grammar.grammar import Grammar
+from rai_missions.conversation.grammar.start_phrases import StartPhrases
+from rai_missions.conversation.language.language import language, languages
 from tests.conversation.stored import settings_in
 from tests.conversation.test_forms_of_orders import PHRASES, PLACES
 from tests.conversation.test_order_lists import IDLE, ORDERS, RUNNING, joints

@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rai_missions.conversation import KeyView, MissionView, StatusView
-from rai_missions.conversation.language import language, languages
-from rai_missions.conversation.phrases import AROUND, Phrases
-from rai_missions.conversation.sentence_grammar import SentenceGrammar
-from rai_missions.conversation.start_phrases import StartPhrases
+from rai_missions.conversation.grammar.sentence_grammar import SentenceGrammar
+from rai_missions.conversation.grammar.start_phrases import StartPhrases
+from rai_missions.conversation.language.language import language, languages
+from rai_missions.conversation.language.phrases import AROUND, Phrases
 
 VIEW = StatusView(missions=(MissionView("assist", "", (KeyView("object", "string", "argument"),)),))
 VERBS = [(code, verb) for code in languages() for verb in language(code).data["verbs"]]

@@ -11,9 +11,9 @@ import pytest
 
 from rai_missions.agents.talk.settings import conversation_faults, settings_of
 from rai_missions.conversation import KeyView, MissionView, StatusView
-from rai_missions.conversation.grammar import Grammar
-from rai_missions.conversation.language import language
-from rai_missions.conversation.start_phrases import StartPhrases
+from rai_missions.conversation.grammar.grammar import Grammar
+from rai_missions.conversation.grammar.start_phrases import StartPhrases
+from rai_missions.conversation.language.language import language
 from rai_missions.mission.files import load
 from rai_missions.profile import load_profile
 from rai_missions.testing import play_conversation

@@ -19,7 +19,7 @@ from rai_missions.agents.talk.doors import TalkLine, TextDoor
 from rai_missions.agents.talk.orders import OnOrderEnd, RunOrders
 from rai_missions.conversation import Order, Settings
 from rai_missions.conversation.inputs import OrderResult
-from rai_missions.conversation.language import language
+from rai_missions.conversation.language.language import language
 from rai_missions.engine import Chart
 from rai_missions.engine.step import Ask, Handover, Step
 from rai_missions.errors import DefinitionError

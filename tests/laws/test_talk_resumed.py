@@ -16,7 +16,7 @@ import pytest
 from rai_missions.agents.conversation import ConversationalAgent
 from rai_missions.agents.talk.doors import TalkLine, TextDoor
 from rai_missions.agents.talk.orders import CLOSED
-from rai_missions.conversation.language import language
+from rai_missions.conversation.language.language import language
 from rai_missions.engine.step import Step
 from rai_missions.event import Event
 from rai_missions.journal import Journal, opened

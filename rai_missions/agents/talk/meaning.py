@@ -13,7 +13,7 @@ from threading import Event
 from typing import Any
 
 from rai_missions.connectors.worker import Worker
-from rai_missions.conversation.likeness import Likeness, WordLikeness
+from rai_missions.conversation.grammar.likeness import Likeness, WordLikeness
 from rai_missions.embodiment.minilm import TextEmbedder, minilm
 
 __all__ = ("MeaningLikeness", "likeness_in")

@@ -12,8 +12,8 @@ from collections import deque
 
 from rai_missions.connectors.worker import Work, Worker
 from rai_missions.conversation import StatusView
-from rai_missions.conversation.grammar import Grammar
-from rai_missions.conversation.senses import STOP
+from rai_missions.conversation.grammar.grammar import Grammar
+from rai_missions.conversation.grammar.senses import STOP
 from rai_missions.planning.text.normalise import LONGEST
 
 __all__ = ("MOST_WAITING", "Reception")

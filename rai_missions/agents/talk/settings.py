@@ -9,9 +9,9 @@ from collections.abc import Set as AbstractSet
 from typing import Any
 
 from rai_missions.conversation import Settings
-from rai_missions.conversation.language import language, languages, spoken
-from rai_missions.conversation.phrases import SLOT, Phrases
-from rai_missions.conversation.start_phrases import arguments_of
+from rai_missions.conversation.grammar.start_phrases import arguments_of
+from rai_missions.conversation.language.language import language, languages, spoken
+from rai_missions.conversation.language.phrases import SLOT, Phrases
 from rai_missions.errors import DefinitionError, Fault, MissionError, UsageError, pointer, suggestion
 from rai_missions.keys import Key, type_error
 from rai_missions.mission.mission import Mission

@@ -58,7 +58,7 @@ def voice(
     from rai_missions.connectors.sound.devices import DeviceSound
     from rai_missions.connectors.sound.files import FileSound
     from rai_missions.connectors.sound.wav import check_wav_name
-    from rai_missions.conversation.language import language as words_of
+    from rai_missions.conversation.language.language import language as words_of
     from rai_missions.errors import UsageError
     from rai_missions.voice.setup import ListenNames
 

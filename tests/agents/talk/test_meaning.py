@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from rai_missions.agents.talk.meaning import MeaningLikeness, likeness_in
-from rai_missions.conversation.likeness import WordLikeness
+from rai_missions.conversation.grammar.likeness import WordLikeness
 
 EXAMPLES = ("head for home", "seek the thing")
 

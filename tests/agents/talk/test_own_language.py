@@ -12,7 +12,7 @@ import pytest
 
 from rai_missions.conversation import Dialogue, MissionView, OrderEnd, Settings, Speech, StatusView, Utterance
 from rai_missions.conversation.inputs import OrderResult
-from rai_missions.conversation.language import language
+from rai_missions.conversation.language.language import language
 from rai_missions.mission.start_fault import StartFault
 from rai_missions.runtime.clock import WallClock
 from tests.agents.talk.scenes import Talk

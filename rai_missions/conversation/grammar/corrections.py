@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Corrections: `no, the plant` and `the other one`, for the order that was read back, dropped or refused last.
+
+Rule: a correction is an order of its own, which is read back whole; nothing is taken from it silently.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from rai_missions.conversation.grammar.arguments import BadValue
+from rai_missions.conversation.grammar.senses import Sense, joined
+from rai_missions.conversation.grammar.start_phrases import StartPhrases
+from rai_missions.conversation.language.language import Language
+from rai_missions.conversation.language.question_words import question_text
+from rai_missions.conversation.view import KeyView, StatusView
+
+__all__ = ("Corrections", "Draft")
+
+LONGEST = 4
+"""Words of the longest text that replaces another one."""
+
+
+class Draft(NamedTuple):
+    """The order that a sentence may correct."""
+
+    sense: Sense
+    is_asked_for: bool = False
+    """Nothing is read back, and the order lacks what the person wants: a value alone completes it."""
+    is_read_back: bool = False
+    """It waits for a yes: a value alone is a correction where it is one of a list."""
+
+
+class Corrections:
+    """Reads corrections of one language.
+
+    Args:
+        language: Its data.
+        phrases: The robot's own sentences, and the words for its values.
+    """
+
+    def __init__(self, language: Language, phrases: StartPhrases) -> None:
+        self._language, self._phrases = language, phrases
+
+    def instead(self, words: Sequence[str]) -> Iterator[list[str]]:
+        """What is to be in place of what was meant, the shortest first: `the plant` of `no, the plant, I mean`."""
+        found = (slots["instead"].split() for slots in self._language.correction.match(words))
+        yield from sorted(found, key=len)
+
+    def corrected(self, words: Sequence[str], draft: Draft, view: StatusView) -> Sense | None:
+        """The draft with these words in place of one of its values, or what is wrong with them; None for other talk.
+
+        Of a list, the one order that they fit is corrected.
+        """
+        if not draft.sense.then:
+            return self._corrected(words, draft, view)
+        orders = draft.sense.orders
+        found = [self._corrected(words, draft._replace(sense=order), view) for order in orders]
+        made = [each if each is not None and each.kind == "order" else None for each in found]
+        if sum(each is not None for each in made) != 1:
+            return Sense("fault", "start", fault=self._language.text("correct_whole")) if any(found) else None
+        both = zip(made, orders, strict=True)
+        return joined([each or order for each, order in both])._replace(is_correction=draft.is_read_back)
+
+    def _corrected(self, words: Sequence[str], draft: Draft, view: StatusView) -> Sense | None:
+        sense = draft.sense
+        if sense.name != "start" or len(words) > LONGEST + 1:
+            return None
+        quoted = None if sense.named or sense.lacks else self._phrases.quoted_with(sense.arguments, words)
+        if quoted is not None and not draft.is_asked_for:
+            return sense._replace(arguments=quoted, kind="order", rest="", is_correction=draft.is_read_back)
+        bare = self._without_preposition(words)
+        keys = self._keys(sense, view)
+        named = [keys[name] for name in dict.fromkeys((*sense.lacks, *sense.named)) if name in keys]
+        closed = [keys[name] for name in sense.arguments if name in keys and self._phrases.choices(name)]
+        for key in sorted((*named, *closed), key=lambda each: each.type == "string"):  # `seven` is a number first
+            is_listed = self._phrases.choices(key.name) or key.type != "string"
+            if is_listed and self._fits(bare, key, sense.arguments.get(key.name)):
+                return self._with(draft, key, bare)
+        texts = [key for key in named if key.type == "string" and not self._phrases.choices(key.name)]
+        if len(texts) == 1 and bare == list(words) and len(bare) <= LONGEST and self._is_text(bare, texts[0], draft):
+            return self._with(draft, texts[0], bare)
+        return self._fault(sense, bare, named)
+
+    def _is_text(self, words: Sequence[str], key: KeyView, draft: Draft) -> bool:
+        """Whether words may be the text: they name a thing, and it is asked for, or marked as a correction."""
+        if not self._phrases.may_be_thing(words):
+            return False
+        return not draft.is_asked_for or key.name in draft.sense.lacks or words[0] in self._language.articles
+
+    def completed(self, words: Sequence[str], draft: Draft, view: StatusView) -> Sense | None:
+        """The draft with these words alone, where a value may be meant; None where they are none."""
+        bare, keys = self._without_preposition(words), self._keys(draft.sense, view)
+        is_marked = len(bare) < len(words)
+        given = [keys[name] for name in draft.sense.arguments if name in keys]
+        listed = (key for key in given if self._phrases.choices(key.name) or (is_marked and key.type != "string"))
+        is_value = draft.is_asked_for or (draft.is_read_back and any(self._fits(bare, key) for key in listed))
+        found = self.corrected(words, draft, view) if is_value else None
+        return found if found is not None and found.kind == "order" else None
+
+    def other(self, draft: Draft, view: StatusView) -> Sense:
+        """The only other choice that there is, or the question for another one."""
+        sense, language = draft.sense, self._language
+        if sense.then:
+            return Sense("other", fault=language.text("correct_whole"))
+        if sense.name == "answer":
+            question = view.question(sense.question)
+            offers = question.options if question is not None else ()
+            others = [offer for offer in offers if offer.name != sense.option]
+            if len(others) == 1 and len(offers) == 2 and not (others[0].parameters or {}).get("required"):
+                return sense._replace(option=others[0].name, parameters={}, is_partial=True, is_correction=True)
+            return sense._replace(kind="other", fault="" if question is None else question_text(question, language))
+        keys = self._keys(sense, view)
+        named = [keys[name] for name in (sense.lacks or sense.named) if name in keys]
+        if len(named) != 1:
+            return sense._replace(kind="other", fault=language.text("correct_whole"))
+        name, choices = language.name_of(named[0].name), self._phrases.choices(named[0].name)
+        values = {word: value for word, value in choices.items() if value != sense.arguments.get(named[0].name)}
+        if len(values) == 1 and len(choices) == 2:
+            return self._with(draft, named[0], next(iter(values)).split())
+        known = language.listed(list(values), "or")
+        fault = language.text("correct_from" if known else "correct", name=name, values=known)
+        return sense._replace(kind="other", fault=fault, lacks=(named[0].name,))
+
+    def _without_preposition(self, words: Sequence[str]) -> list[str]:
+        has_one = len(words) > 1 and words[0] in self._language.data["prepositions"]
+        return list(words[1:] if has_one else words)
+
+    def _keys(self, sense: Sense, view: StatusView) -> Mapping[str, KeyView]:
+        mission = view.mission_named(sense.mission)
+        return mission.keys if mission is not None else {}
+
+    def _value(self, words: Sequence[str], key: KeyView, before: Any = None) -> Any:
+        """The value of the words; a part of them may be as it was: `the blue one`, and `five` for `ward three`."""
+        is_substitute = len(words) > 1 and words[-1] in self._language.data["substitutes"]
+        listed = self._phrases.named_values(key.name)
+        if is_substitute and isinstance(before, str) and before and not listed:
+            words = [*words[:-1], before.split()[-1]]
+        nouns = dict.fromkeys(way[:-1] for way, value in listed.items() if value == before)
+        ways = ([*noun, *self._language.without_articles(words)] for noun in nouns)
+        return self._phrases.value(next((way for way in ways if tuple(way) in listed), words), key)
+
+    def _fits(self, words: Sequence[str], key: KeyView, before: Any = None) -> bool:
+        try:
+            self._value(words, key, before)
+        except BadValue:
+            return False
+        return True
+
+    def _with(self, draft: Draft, key: KeyView, words: Sequence[str]) -> Sense:
+        sense = draft.sense
+        lacks = tuple(name for name in sense.lacks if name != key.name)
+        values = {**sense.arguments, key.name: self._value(words, key, sense.arguments.get(key.name))}
+        named = tuple(dict.fromkeys((*sense.named, key.name)))
+        made = sense._replace(arguments=values, named=named, lacks=lacks, rest="", is_correction=draft.is_read_back)
+        return made._replace(kind="fault") if lacks else made._replace(kind="order", fault="")
+
+    def _fault(self, sense: Sense, words: Sequence[str], named: Sequence[KeyView]) -> Sense:
+        fault = self._language.text("correct_unclear", given=" ".join(words))
+        if len(named) == 1:
+            try:
+                self._value(words, named[0])
+            except BadValue as error:
+                fault = str(error)
+        return sense._replace(kind="fault", fault=fault)
