@@ -13,6 +13,7 @@ import socket
 import ssl
 import threading
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -163,7 +164,7 @@ class LivePage:
     async def _serve(self, inside: Callable[[], ASGI], ready: threading.Event, viewer_token: str) -> None:
         import uvicorn  # an extra, and needed by no one who does not watch
 
-        from visualize.live.timeouts import Impatient
+        from visualize.live.timeouts import Impatient, TLSHandshake
 
         self._loop = asyncio.get_running_loop()
         door = Door(
@@ -174,9 +175,10 @@ class LivePage:
             port=self.port,
             scheme=self._scheme,
         )
+        http: Any = Impatient if self._config_tls is None else partial(TLSHandshake, self._config_tls)
         config = uvicorn.Config(
             door,
-            http=Impatient,
+            http=http,
             ws="none",
             lifespan="off",
             log_config=None,
@@ -187,9 +189,6 @@ class LivePage:
             timeout_graceful_shutdown=1,
             h11_max_incomplete_event_size=16_384,
         )
-        config.load()
-        if self._config_tls is not None:
-            config.ssl = self._config_tls
         self._server = uvicorn.Server(config)
         self._loop.call_soon(ready.set)
         await self._server.serve(sockets=[self._socket])

@@ -33,17 +33,25 @@ class Run:
         mission: What runs.
         sink: Who takes orders.
         about: What the page shows of it in addition to its steps.
+        place: Where the page is served.
     """
 
-    def __init__(self, mission: Mission, sink: Any = None, about: Mapping[str, Any] | None = None) -> None:
+    def __init__(
+        self,
+        mission: Mission,
+        sink: Any = None,
+        about: Mapping[str, Any] | None = None,
+        place: PageAddress | None = None,
+    ) -> None:
         self.chart, self.life, self.steps = Chart(mission, ticker=CompiledTrees()), Lifecycle(), list[Step]()
         self.mode, self.control, self.run_id = "ready", "autonomy", ""
         self.closed: dict[int, dict[str, str]] = {}
         self.feed = RunFeed(lambda: self)
         self.mission, self.sink, self.about = mission, sink, dict[str, Any](about or {})
+        self.place = place or PageAddress(port=0)
 
     def __enter__(self) -> Run:
-        self.page = LivePage(PageAddress(port=0))
+        self.page = LivePage(self.place)
         self.page.start(self.mission, self.feed, self.sink, self.about)
         return self
 

@@ -10,19 +10,23 @@ import socket
 import ssl
 import subprocess
 import time
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import ExitStack, suppress
 from pathlib import Path
 
 import pytest
 
 from rai_missions.errors import UsageError
 from rai_missions.image import Image, png
+from tests.visualize.live.conftest import OrderBox
 from tests.visualize.live.stage import Run, Viewer, ask, until
+from tests.visualize.runs import tractor
 from visualize.live import LivePage, PageAddress, hub, posts
 from visualize.live import timeouts as impatient
 
 WITH_TOKEN = [("GET", "/mission"), ("GET", "/events"), ("GET", "/picture?key=camera"), ("POST", "/orders")]
 PAUSE = json.dumps({"command": "pause"}).encode()
+HALF_OF_A_HELLO = b"\x16\x03\x01\x02\x00\x01\x00"
 
 
 def test_the_page_is_there_for_anybody_and_holds_nothing_of_the_mission(run: Run) -> None:
@@ -305,7 +309,9 @@ def test_an_address_that_is_not_there_or_a_certificate_that_is_none_is_reported(
         LivePage(PageAddress(port=70_000))
 
 
-def test_over_tls_the_page_is_served_and_its_origin_is_https(tmp_path: Path) -> None:
+@pytest.fixture
+def over_tls(tmp_path: Path) -> Iterator[Run]:
+    """A run whose page is served over TLS by a certificate in `cert.pem`."""
     made = subprocess.run(
         [
             "openssl",
@@ -333,23 +339,81 @@ def test_over_tls_the_page_is_served_and_its_origin_is_https(tmp_path: Path) -> 
     )
     if made.returncode:
         pytest.skip("no openssl to make a certificate with")
-    from tests.visualize.runs import tractor
+    place = PageAddress(port=0, certificate=tmp_path / "cert.pem", key=tmp_path / "key.pem")
+    with Run(tractor(), OrderBox(), place=place) as one:
+        one.start()
+        yield one
 
-    one = Run(tractor())
-    page = LivePage(PageAddress(port=0, certificate=tmp_path / "cert.pem", key=tmp_path / "key.pem"))
-    page.start(one.mission, one.feed)
-    try:
-        assert page.url.startswith("https://127.0.0.1:")
-        trusted = ssl.create_default_context(cafile=str(tmp_path / "cert.pem"))
-        for origin, status in ((f"https://127.0.0.1:{page.port}", 200), (f"http://127.0.0.1:{page.port}", 403)):
-            line = http.client.HTTPSConnection("127.0.0.1", page.port, context=trusted, timeout=30)
-            line.request("GET", "/mission", headers={"X-Mission-Token": page.token, "Origin": origin})
-            answer = line.getresponse()
-            answer.read()
-            assert answer.status == status
-            line.close()
-    finally:
-        page.stop()
+
+def ask_over_tls(run: Run, method: str, path: str, body: bytes | None = None, origin: str = "") -> int:
+    """The status of a reply."""
+    page = run.page
+    trusted = ssl.create_default_context(cafile=str(page.place.certificate))
+    headers = {"X-Mission-Token": page.token, "Origin": origin or f"https://127.0.0.1:{page.port}"}
+    line = http.client.HTTPSConnection("127.0.0.1", page.port, context=trusted, timeout=30)
+    line.request(method, path, body, {**headers, "Content-Type": "application/json"})
+    answer = line.getresponse()
+    answer.read()
+    line.close()
+    return answer.status
+
+
+def test_over_tls_the_page_is_served_and_its_origin_is_https(over_tls: Run) -> None:
+    page = over_tls.page
+    assert page.url.startswith("https://127.0.0.1:")
+    assert ask_over_tls(over_tls, "GET", "/mission") == 200
+    assert ask_over_tls(over_tls, "GET", "/mission", origin=f"http://127.0.0.1:{page.port}") == 403
+
+
+@pytest.mark.parametrize("message", [b"", HALF_OF_A_HELLO], ids=["nothing", "half a hello"])
+def test_strangers_who_begin_no_tls_keep_no_order_out_and_are_bounded(over_tls: Run, message: bytes) -> None:
+    with ExitStack() as open_:
+        before, lines = len(os.listdir("/proc/self/fd")), []
+        for _ in range(400):
+            lines.append(open_.enter_context(socket.create_connection(("127.0.0.1", over_tls.page.port), timeout=30)))
+            lines[-1].sendall(message)
+        assert ask_over_tls(over_tls, "POST", "/orders", PAUSE) == 200
+        assert over_tls.sink.orders == [PAUSE.decode()]
+        taken = len(os.listdir("/proc/self/fd")) - before - len(lines)
+        assert taken <= impatient.MOST_CONNECTIONS + 2, "on the side of the server, which is in this process"
+
+
+@pytest.mark.parametrize("message", [b"", HALF_OF_A_HELLO, b"GET / HTTP/1.1\r\n\r\n"])
+def test_who_begins_no_tls_is_cut_off(
+    over_tls: Run, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, message: bytes
+) -> None:
+    monkeypatch.setattr(impatient, "SPEAKS_WITHIN_S", 0.2)
+    with socket.create_connection(("127.0.0.1", over_tls.page.port), timeout=10) as line:
+        line.sendall(message)
+        with suppress(ConnectionResetError):
+            assert not line.recv(100).startswith(b"HTTP"), "the other side has hung up"
+            assert line.recv(100) == b""
+    assert ask_over_tls(over_tls, "GET", "/mission") == 200
+    assert caplog.messages == []
+
+
+def test_a_request_that_comes_with_the_end_of_the_handshake_is_answered(over_tls: Run) -> None:
+    page = over_tls.page
+    received, sent = ssl.MemoryBIO(), ssl.MemoryBIO()
+    trusted = ssl.create_default_context(cafile=str(page.place.certificate))
+    client = trusted.wrap_bio(received, sent, server_hostname="127.0.0.1")
+    with socket.create_connection(("127.0.0.1", page.port), timeout=30) as line:
+        with pytest.raises(ssl.SSLWantReadError):
+            client.do_handshake()
+        line.sendall(sent.read())
+        while True:
+            received.write(line.recv(65_536))
+            with suppress(ssl.SSLWantReadError):
+                client.do_handshake()
+                break
+        client.write(f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{page.port}\r\n\r\n".encode())
+        line.sendall(sent.read())
+        head = b""
+        while not head and (data := line.recv(65_536)):
+            received.write(data)
+            with suppress(ssl.SSLWantReadError):
+                head = client.read(100)
+    assert head.startswith(b"HTTP/1.1 200")
 
 
 def test_a_viewers_token_shows_everything_and_orders_nothing(run: Run) -> None:
