@@ -101,7 +101,7 @@ class Handovers:
         service = entry.service.replace("{by}", "operator" if role == "operator" else "agent")
         try:
             connector.call(service, entry.type, entry.request_of({}), on_reply=answered, timeout_s=ANSWERED_S)
-        except Exception:
+        except (Exception, SystemExit):
             log.exception("control could not be handed to %s", to)
             self._lost(to, False)
             done()
@@ -116,6 +116,6 @@ class Handovers:
             return
         try:
             self._connector.publish(entry.topic, entry.type, {})
-        except Exception:
+        except (Exception, SystemExit):
             log.exception("the actuators' side cannot be reported to that the run is alive")
         self._scheduler.call_at(self._scheduler.now() + entry.every_s, self._report_alive)

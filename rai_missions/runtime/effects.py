@@ -175,7 +175,7 @@ class EffectExecutor:
     def _guarded(self, effect: Effect, do: Callable[[], None]) -> None:
         try:
             do()
-        except Exception as error:  # noqa: BLE001 - a connector is not trusted to behave
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - a connector is not trusted to behave
             why = in_words(error) if isinstance(error, MissionError) else raised_text(error)
             log.warning("not carried out: %.200s: %s", effect, why)
             self._failed(effect, why)

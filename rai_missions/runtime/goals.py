@@ -135,7 +135,7 @@ class Goals:
     def _send_again(self, entry: ActionEntry, effect: StartGoal) -> None:
         try:
             self._send(entry, effect)
-        except Exception as error:  # noqa: BLE001 - a connector is not trusted to behave
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - a connector is not trusted to behave
             self.give_up(effect.number, in_words(error))
 
     def cancel(self, effect: CancelGoal) -> None:
@@ -169,7 +169,7 @@ class Goals:
             self._connector.call(
                 cancel.service, cancel.type, cancel.request_of({}), timeout_s=CANCELED_S, on_reply=answered
             )
-        except Exception:
+        except (Exception, SystemExit):
             self._let_others_call(order)
             raise
 
@@ -195,7 +195,7 @@ class Goals:
     def give_up(self, number: int, why: str) -> None:
         """A start could not be carried out; it may have arrived before the connector failed."""
         if (goal_id := self._ids.get(number)) is not None and self._connector is not None:
-            with suppress(Exception):
+            with suppress(Exception, SystemExit):
                 self._connector.cancel_goal(goal_id)
         self._end(number, "rejected", {"why": why})
 
@@ -203,7 +203,7 @@ class Goals:
         """End every goal with a server, whether known to it or not; returns what ends the composed ones."""
         for goal_id in list(self._ids.values()):
             if self._connector is not None:
-                with suppress(Exception):  # the others must be stopped too
+                with suppress(Exception, SystemExit):  # the others must be stopped too
                     self._connector.cancel_goal(goal_id)
         return tuple(self._composed.values())
 
@@ -256,14 +256,14 @@ class Goals:
             return
         try:
             self._call_cancel(entry.cancel, lambda outcome, why: on_answer(outcome == "succeeded"))
-        except Exception:  # noqa: BLE001 - a connector is not trusted to behave
+        except (Exception, SystemExit):  # noqa: BLE001 - a connector is not trusted to behave
             on_answer(False)
 
     def _accepted(self, effect: StartGoal, data: Mapping[str, Any]) -> None:
         """A server has taken a goal; once the run is over, there is no state that could cancel it."""
         self._on_event("accepted", "accepted", effect.number, data)
         if self._is_closed:
-            with suppress(Exception):  # a connector is not trusted to behave
+            with suppress(Exception, SystemExit):  # a connector is not trusted to behave
                 self.cancel(CancelGoal(effect.number, effect.action))
 
     def _canceled(self, cancel: CancelGoal, is_early: bool, outcome: str, why: str) -> None:

@@ -112,7 +112,7 @@ class RobotListener:
         while self._closes:
             try:
                 self._closes.pop()()
-            except Exception:
+            except (Exception, SystemExit):
                 log.exception("a subscription could not be closed")
 
     def _listen(self, source: Source | EventSource, on_message: OnMessage) -> None:
@@ -139,7 +139,7 @@ class RobotListener:
         service, type_name, every_s, _ = poll
         try:
             self._connector.call(service, type_name, request, on_reply=answered, timeout_s=every_s)
-        except Exception as error:  # noqa: BLE001 - a connector's fault is a robot that reports nothing, never the run's end
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - a connector's fault is a robot that reports nothing, never the run's end
             self._puzzle(service, error)
         self._scheduler.call_at(self._scheduler.now() + every_s, lambda: self._poll(poll, request, readers))
 
@@ -225,7 +225,7 @@ class RobotListener:
             self._puzzled.add(name)
             log.warning("'%s': %s", name, why)
 
-    def _puzzle(self, name: str, error: Exception) -> None:
+    def _puzzle(self, name: str, error: BaseException) -> None:
         if name not in self._puzzled:
             self._puzzled.add(name)
             log.warning("'%s' was not understood and counts as not received: %s", name, error)

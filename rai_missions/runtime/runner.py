@@ -20,7 +20,7 @@ from rai_missions.engine import Chart
 from rai_missions.engine.activities.goal_ledger import OpenGoal, may_move
 from rai_missions.engine.decision import Answerer, ReadsRun, check_answerers
 from rai_missions.engine.step import Step
-from rai_missions.errors import DefinitionError, MissionError, UsageError, raised_text
+from rai_missions.errors import ConnectorError, DefinitionError, MissionError, UsageError, raised_text
 from rai_missions.event import Event, Tick, is_e_stop
 from rai_missions.given import check_given
 from rai_missions.journal.buffer import BufferedWriter, JournalSink, raised_by
@@ -203,11 +203,7 @@ class Runner(RunCommands):
         began = self._clock.now() if self._resumed is None else self._resumed.began
         ours = self._connector is not None and not self._connector.running
         try:
-            if self._connector is not None and ours:
-                self._connector.start()
-            if isinstance(self._clock, ContinuedClock):
-                self._clock.begin()
-            self._executor.open()
+            self._connect(ours=ours)
             if self._resumed is not None:
                 self._resume(self._resumed)
             if self._chart.unstarted:
@@ -236,10 +232,26 @@ class Runner(RunCommands):
             return False
         return self._mailbox.empty or not self._executor.hosts_actions
 
+    def _connect(self, *, ours: bool) -> None:
+        """Begin to receive.
+
+        Raises:
+            ConnectorError: The robot cannot be reached, or its connector would end the program.
+        """
+        try:
+            if self._connector is not None and ours:
+                self._connector.start()
+            if isinstance(self._clock, ContinuedClock):
+                self._clock.begin()
+            self._executor.open()
+        except SystemExit as error:
+            raised = f"{type(self._connector).__name__} raised {raised_text(error)}"
+            raise ConnectorError(f"the robot cannot be reached: {raised}") from error
+
     def _disconnect(self, connector: Connector) -> None:
         try:
             connector.stop()
-        except Exception:
+        except (Exception, SystemExit):
             log.exception("the connector could not be stopped")
 
     def _resume(self, resumed: Resumption) -> None:

@@ -18,7 +18,7 @@ from rai_missions.connectors.connector import Reply, Report
 from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine import Chart
 from rai_missions.engine.step import StartGoal
-from rai_missions.errors import DefinitionError
+from rai_missions.errors import ConnectorError, DefinitionError
 from rai_missions.journal import Header, Journal, read
 from rai_missions.replay.rebuild import mission_of
 from rai_missions.testing import ChatteringAnswerer, RaisingAnswerer
@@ -147,6 +147,36 @@ def test_an_exception_that_cannot_be_reported_in_words_is_one_like_any_other() -
     polling = Rig(MOVING, connector=Connector(call=unspeakable), robot=profile)
     polling.stage.play({2.0: polling.runner.kill})
     assert polling.run().duration_s == 2.0
+
+
+def exits(*_: Any, **__: Any) -> None:
+    raise SystemExit(0)
+
+
+def test_a_connector_that_exits_ends_no_run() -> None:
+    source = {"service": "/state", "type": "t", "every_s": 0.5}
+    profile = robot(
+        events={"go": source, "again": {"posted": True}, "stop_now": {"posted": True}}, alive={"topic": "/alive"}
+    )
+    polling = Rig(MOVING, connector=Connector(call=exits, publish=exits, stop=exits), robot=profile)
+    polling.stage.play({2.0: polling.runner.kill})
+    assert polling.run().duration_s == 2.0
+    calling = Rig(CALLING, connector=Connector(call=exits))
+    calling.run()
+    assert calling.entered == ["calling", "nobody"]
+    sending = Rig(MOVING, connector=Connector(send_goal=exits))
+    sending.stage.play({1.0: lambda: sending.post("go")})
+    assert sending.run().why == "moving: rejected (SystemExit: 0)"
+    canceling = Rig(MOVING, connector=Connector(cancel_goal=exits))
+    canceling.stage.play({1.0: lambda: canceling.post("go"), 2.0: lambda: canceling.runner.cancel()})
+    assert canceling.run().outcome == "canceled"
+
+
+@pytest.mark.parametrize("name", ["start", "subscribe"])
+def test_a_connector_that_exits_as_the_run_begins_is_named(name: str) -> None:
+    rig = Rig(MOVING, connector=Connector(**{name: exits}))
+    with pytest.raises(ConnectorError, match="the robot cannot be reached: Connector raised SystemExit: 0"):
+        rig.run()
 
 
 def test_a_connector_that_raises_is_a_rejected_call() -> None:
