@@ -35,7 +35,7 @@ from rai_missions.errors import DefinitionError, MissionError, UsageError
 from rai_missions.journal import opened
 from rai_missions.mission.garbage import set_apart
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import load_whole_profile, read_program
+from rai_missions.profile import load_whole_profile, missing, missing_world, read_program
 from rai_missions.runtime.interrupts import on_interrupts
 
 if TYPE_CHECKING:
@@ -61,6 +61,8 @@ def run_mission(options: RunOptions) -> int:
         options, program = migrated(options, named)
     mission = _mission(options)
     _check_mission(mission, options, named)
+    if options.robot and not is_python and not options.resume:
+        _check_reach(mission, options.robot)
     lines = _lines(mission, options)
     config = _single_run(options, mission, named, lines)
     if program is not None:
@@ -105,6 +107,13 @@ def _check_mission(mission: Mission, options: RunOptions, named: Named | None) -
             f"the mission must receive {', '.join(needed)} from a robot; "
             "give its profile, or its program in Python: --robot FILE"
         )
+
+
+def _check_reach(mission: Mission, robot: str) -> None:
+    """Refuse a profile on whose side there is no one, where the mission must receive facts: none would ever come."""
+    profile = load_whole_profile(robot, mission)
+    if mission.needed_facts() and (alone := tuple(missing_world(mission, profile))):
+        raise DefinitionError((*alone, *missing(mission, profile)), robot)
 
 
 def _drawn(mission: Mission, picture: str, result: Result) -> str:
