@@ -88,10 +88,19 @@ class Goals:
         else:
             self._send(entry, effect)
 
-    def _send(self, entry: ActionEntry, effect: StartGoal) -> None:
+    def _send(self, entry: ActionEntry, effect: StartGoal, *, is_again: bool = False) -> None:
+        """Send a goal; one that is sent again may have been accepted meanwhile, and its server takes no id twice."""
         assert self._connector is not None and entry.action is not None
         goal = entry.goal_of(effect.goal)
-        goal_id, report = self._sent(entry, effect)
+        goal_id, on_report = self._sent(entry, effect)
+
+        def report(received: Report) -> None:
+            if is_again and received.status == "rejected":
+                look = partial(self._look_for, entry, effect, on_report, lambda _lost: on_report(received))
+                self._or_give_up(effect, look)
+            else:
+                on_report(received)
+
         self._connector.send_goal(entry.action, entry.type, goal, goal_id=goal_id, on_report=report)
 
     def resume(self, effect: StartGoal, *, accepted: bool, on_doubt: Callable[[], None]) -> None:
@@ -122,19 +131,39 @@ class Goals:
         assert self._connector is not None and entry.action is not None
         goal_id, on_report = self._sent(entry, effect)
 
-        def report(received: Report) -> None:
-            if received.status != "lost" or (accepted and not entry.repeat):
-                on_report(received)
-            elif effect.number in self._unwanted:
+        def absent(_lost: Report) -> None:
+            if effect.number in self._unwanted:
                 self._end(effect.number, "canceled", {})
             else:
-                self._send_again(entry, effect)
+                self._send(entry, effect, is_again=True)
 
+        if accepted and not entry.repeat:
+            self._connector.find_goal(entry.action, entry.type, goal_id=goal_id, on_report=on_report)
+        else:
+            self._look_for(entry, effect, on_report, absent)
+
+    def _look_for(
+        self, entry: ActionEntry, effect: StartGoal, on_report: OnReport, absent: Callable[[Report], None]
+    ) -> None:
+        """Ask a goal's server for it; if the first report is that it is not there, `absent` takes it, and no other."""
+        assert self._connector is not None and entry.action is not None
+        is_there: bool | None = None
+
+        def report(received: Report) -> None:
+            nonlocal is_there
+            if is_there is None:
+                is_there = received.status != "lost"
+                if not is_there:
+                    self._or_give_up(effect, lambda: absent(received))
+            if is_there:
+                on_report(received)
+
+        goal_id = self.goal_id(effect.number, effect.owner)
         self._connector.find_goal(entry.action, entry.type, goal_id=goal_id, on_report=report)
 
-    def _send_again(self, entry: ActionEntry, effect: StartGoal) -> None:
+    def _or_give_up(self, effect: StartGoal, work: Callable[[], None]) -> None:
         try:
-            self._send(entry, effect)
+            work()
         except (Exception, SystemExit) as error:  # noqa: BLE001 - a connector is not trusted to behave
             self.give_up(effect.number, in_words(error))
 

@@ -42,17 +42,17 @@ class RecoveredGoal(RemoteGoal):
         client = self._client
         if self.is_over:
             return
+        self.peers, self._is_sent = client.peers(), True
+        self._handle = self._unanswered()
+        client.watch(self)
         if not is_there:
             self.end("lost", why=f"no server offers {client.action}")
             return
-        self.peers, self._is_sent = client.peers(), True
-        self._handle = self._unanswered()
         self._ears = (
             client.observe("feedback", client.cls.Impl.FeedbackMessage, 10, self._on_feedback),
             client.observe("status", GoalStatusArray, qos_profile_action_status_default, self._on_status),
         )
         self._ask_for_result()
-        client.watch(self)
         if self._is_unwanted:
             self._ask_to_cancel(self._handle)
 

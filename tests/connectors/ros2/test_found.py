@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import signal
 import subprocess
 import sys
 import uuid
@@ -14,6 +15,9 @@ import pytest
 
 from rai_missions.connectors.connector import Report
 from rai_missions.connectors.contract import Inbox, PatientServer
+from rai_missions.engine.step import CancelGoal, StartGoal
+from rai_missions.profile import Robot
+from rai_missions.runtime.goals import Goals
 from tests.connectors.ros2.peer_process import ABORT, DROPPED, FIBONACCI, RUN, SLOW_TO_ACCEPT, SUCCEED, Peer
 
 Open = Callable[..., Any]
@@ -51,17 +55,20 @@ def left(peer_of_module: Peer) -> Left:
     """Sent by a process that was killed once their server had reported of each."""
     left = Left(*(uuid.uuid4().hex for _ in range(4)), dropped_id())
     ends = ("accepted", "accepted", "succeeded", "failed", "succeeded")
-    sent = zip(left, (RUN, RUN, SUCCEED, ABORT, SUCCEED), ends, strict=True)
+    send_and_die(peer_of_module, [*zip(left, (RUN, RUN, SUCCEED, ABORT, SUCCEED), ends, strict=True)])
+    return left
+
+
+def send_and_die(peer: Peer, goals: list[tuple[str, int, str]]) -> None:
+    """Have a process send goals, each an id, an order and the report that is waited for, and be killed."""
     process = subprocess.Popen(
-        [sys.executable, "-W", "ignore", "-c", SENDER, action_of(peer_of_module), json.dumps([*sent])],
-        stdout=subprocess.PIPE,
+        [sys.executable, "-W", "ignore", "-c", SENDER, action_of(peer), json.dumps(goals)], stdout=subprocess.PIPE
     )
     assert process.stdout is not None
     with process.stdout:
         assert process.stdout.readline() == b"sent\n"
         process.kill()
         process.wait()
-    return left
 
 
 def action_of(peer: Peer) -> str:
@@ -115,6 +122,22 @@ def test_a_goal_that_no_server_knows_is_lost(open_ros: Open, ours: Any, peer: Pe
     )
 
 
+def test_a_goal_whose_server_was_away_when_it_was_looked_for_is_ended_before_the_next_is_sent(
+    open_ros: Open, own_peer: Peer
+) -> None:
+    goal_id, other, action = uuid.uuid4().hex, Inbox[Report](30.0), action_of(own_peer)
+    send_and_die(own_peer, [(goal_id, RUN, "accepted")])
+    own_peer.signal(signal.SIGSTOP)
+    connector = open_ros(discovery_s=0.2)
+    received = found(connector, action, goal_id)
+    received.wait(lambda reported: [each.status for each in reported] == ["lost"], "no server is there")
+    own_peer.signal(signal.SIGCONT)
+    received.wait(lambda reported: reported[-1].status == "over", "its server is back, and has ended it")
+    assert ["end wanted", goal_id] in [list(line) for line in own_peer.lines.all]
+    connector.send_goal(action, FIBONACCI, {"order": SUCCEED}, goal_id=uuid.uuid4().hex, on_report=other)
+    other.wait(lambda reported: reported[-1].status == "succeeded", "the next is pursued")
+
+
 def test_goals_that_their_server_knows_nothing_of_are_sent_again_and_no_one_asks_for_their_end(
     ours: Any, peer: Peer
 ) -> None:
@@ -144,33 +167,23 @@ def test_goals_that_their_server_knows_nothing_of_are_sent_again_and_no_one_asks
     assert ended(reported) == sorted(sent)
 
 
-def again_on(connector: Any, action: str, goal: dict[str, int], goal_id: str) -> Inbox[Report]:
-    """Look for a goal as a run that continues does: one that its server knows nothing of is sent again."""
-    received: Inbox[Report] = Inbox(30.0)
-
-    def report(found: Report) -> None:
-        if found.status == "lost":
-            connector.send_goal(action, FIBONACCI, goal, goal_id=goal_id, on_report=received)
-        else:
-            received(found)
-
-    connector.find_goal(action, FIBONACCI, goal_id=goal_id, on_report=report)
-    return received
-
-
 def test_a_goal_that_its_server_has_yet_to_accept_is_found_by_being_sent_again(
     open_ros: Open, ours: Any, peer: Peer
 ) -> None:
-    goal_id, before, goal = uuid.uuid4().hex, Inbox[Report](30.0), {"order": SLOW_TO_ACCEPT}
+    move = {"action": action_of(peer), "type": FIBONACCI}
+    robot, events = Robot.model_validate({"name": "robot", "actions": {"move": move}}), Inbox[str](30.0)
+    goals = Goals(uuid.uuid4().hex, robot, ours, on_event=lambda kind, name, number, data: events(name))
+    effect, before = StartGoal(1, "moving", "move", {"order": SLOW_TO_ACCEPT}), Inbox[Report](30.0)
+    goal_id = goals.goal_id(effect.number, effect.owner)
     ours.find_goal(action_of(peer), FIBONACCI, goal_id=uuid.uuid4().hex, on_report=before)
     before.wait(bool, "this connector knows the server")
-    open_ros().send_goal(action_of(peer), FIBONACCI, goal, goal_id=goal_id, on_report=lambda report: None)
+    open_ros().send_goal(action_of(peer), FIBONACCI, effect.goal, goal_id=goal_id, on_report=lambda report: None)
     peer.lines.wait(lambda lines: ["asked", SLOW_TO_ACCEPT] in [list(line) for line in lines], "it was asked")
-    received = again_on(ours, action_of(peer), goal, goal_id)
-    received.wait(bool, "its server has decided")
-    ours.cancel_goal(goal_id)
-    received.wait(lambda reported: reported[-1].status == "canceled", "it was canceled")
-    assert [each.status for each in received.all if each.status != "feedback"] == ["accepted", "canceled"]
+    goals.resume(effect, accepted=False, on_doubt=lambda: events("doubt"))
+    events.wait(bool, "its server has decided")
+    goals.cancel(CancelGoal(effect.number, effect.action))
+    events.wait(lambda reported: reported[-1] == "canceled", "it was canceled")
+    assert [each for each in events.all if each != "feedback"] == ["accepted", "canceled"]
 
 
 def test_a_goal_that_our_server_has_yet_to_accept_is_found_by_being_sent_again(open_ros: Open, ours: Any) -> None:
