@@ -6,7 +6,7 @@ Rule: where a few values cannot represent all, `sampled` names the path, and not
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from functools import cached_property
 from itertools import permutations
 from typing import Any
@@ -30,6 +30,7 @@ __all__ = ("Comparisons",)
 NUMBERS = ("number", "integer")
 LITERAL = frozenset({*NUMBERS, "string", "boolean", "list"})
 """The types of which guards compare values with literals."""
+UNORDERED = OPERATORS.keys() - ORDERED
 MIRRORED = {"==": "==", "!=": "!=", "<": ">", "<=": ">=", ">": "<", ">=": "<="}
 """Operator → the one that is true with its sides exchanged."""
 
@@ -260,6 +261,51 @@ class Comparisons:
             self._join(one, other)
         return bool(found)
 
+    # -- what moves ------------------------------------------------------------------------------------------------
+
+    def staying(self, kin: Collection[str]) -> frozenset[str]:
+        """Those of its kin around which the others lie: all but one that moves, where there are two."""
+        free = sorted(each for each in kin if self._source(each) in ("robot", ""))
+        if len(kin) == 2 and free:
+            return frozenset(kin) - {free[0]} - self._written
+        return frozenset(each for each in kin if self._source(each) == "argument")
+
+    def moving_apart(self, kin: Collection[str]) -> int:
+        """How many of those that move are compared with each other; one where none is."""
+        return len({each for one, _, other in self._met_moving(kin) for each in (one, other)}) or 1
+
+    def is_matched(self, kin: Collection[str]) -> bool:
+        """Whether these numbers are compared to be equal or not alone: their order makes no difference."""
+        ops = {op for path in kin for op, _ in self.atoms.get(path, ())}
+        ops |= {op for one, op, _ in self.met if one in kin}
+        return ops <= UNORDERED and self.steps.keys().isdisjoint(kin)
+
+    def _met_moving(self, kin: Collection[str]) -> list[tuple[str, str, str]]:
+        """The comparisons of two that move."""
+        moving = set(kin) - self.staying(kin) - self._written
+        return [(one, op, other) for one, op, other in self.met if one in moving and other in moving]
+
+    def _source(self, path: str) -> str:
+        """The source of the key; empty for what an event or an answer brings, which is there for a step only."""
+        root = path.partition(".")[0]
+        return self.keys[root].source if root in self.keys else ""
+
+    @cached_property
+    def _written(self) -> frozenset[str]:
+        """Keys to which the mission gives constants alone."""
+        others = self._brought | self._copied | self.steps.keys()
+        return frozenset(name for name, key in self.keys.items() if key.source == "mission" and name not in others)
+
+    def _crowded(self) -> Iterator[str]:
+        """What moves, and is compared by its order with what moves as well; and words that are compared by theirs."""
+        for kin in {frozenset(self.kin_of(path)) for one, _, other in self.met for path in (one, other)}:
+            moving = {op for _, op, _ in self._met_moving(kin)}
+            words = {
+                op for one, op, _ in self.met if one in kin and one in self.keys and self.keys[one].type == "string"
+            }
+            if not moving | words <= UNORDERED:
+                yield from kin
+
     # -- what came of it ------------------------------------------------------------------------------------------
 
     @property
@@ -284,7 +330,18 @@ class Comparisons:
     @cached_property
     def sampled(self) -> tuple[str, ...]:
         """The paths that a few values are tried of, though guards can distinguish more."""
-        return tuple(sorted({*self._odd, *self._reckoned(), *self._far(), *self._looked_into(), *self._wanted()}))
+        return tuple(
+            sorted(
+                {
+                    *self._odd,
+                    *self._reckoned(),
+                    *self._crowded(),
+                    *self._far(),
+                    *self._looked_into(),
+                    *self._wanted(),
+                }
+            )
+        )
 
     def _reckoned(self) -> Iterator[str]:
         """Numbers that are compared with a key that is counted or copied, and poses with several distances."""

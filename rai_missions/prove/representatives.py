@@ -25,6 +25,7 @@ from rai_missions.planning.examples import GOALS
 from rai_missions.prove.comparisons import NUMBERS, Comparisons
 from rai_missions.prove.goals import NO_GOAL, first_of_each, requests, sights
 from rai_missions.prove.parts import parts
+from rai_missions.prove.spots import NumberRange, Spots
 from rai_missions.states.effects import Raise, references
 
 __all__ = ("SCALARS", "Values")
@@ -275,7 +276,10 @@ class Values:
         elif kind == "boolean":
             yield from (False, True)
         elif kind in NUMBERS:
-            yield from self._numbers(path, whole=kind == "integer")
+            whole = kind == "integer"
+            for each in self._numbers(path, whole=whole):
+                if not whole or each == int(each):
+                    yield int(each) if whole else each
         else:
             others = len(learned.kin_of(path))
             known = sorted({each for each in learned.operands(path) if isinstance(each, str)})
@@ -283,10 +287,16 @@ class Values:
             known += [f"{OTHER} {number}" if number else OTHER for number in range(others)]
             yield from known if others > 1 or learned.is_sampled(path) else self._apart(path, known)
 
+    def _range(self, kin: Iterable[str]) -> NumberRange:
+        """In which all of these keys may lie."""
+        keys = [key for path in kin if (key := self._keys.get(path)) is not None]
+        low = max((each.minimum for each in keys if each.minimum is not None), default=-math.inf)
+        return NumberRange(low, min((each.maximum for each in keys if each.maximum is not None), default=math.inf))
+
     def _bounds(self, kin: Iterable[str]) -> list[float]:
         """Where the ranges of these keys end."""
-        keys = [key for path in sorted(kin) if (key := self._keys.get(path)) is not None]
-        return [each for key in keys for each in (key.minimum, key.maximum) if each is not None]
+        ranges = [self._range([path]) for path in sorted(kin)]
+        return [each for ends in ranges for each in ends if math.isfinite(each)]
 
     def _listed(self, kin: Collection[str], known: Collection[str]) -> list[str]:
         """What these keys list besides what is known: of one list as many values as can all differ."""
@@ -294,53 +304,54 @@ class Values:
         others = sorted({each for listed in lists for each in listed if each not in known})
         return others[: len(kin)] if len(lists) == 1 else others
 
-    def _numbers(self, path: str, *, whole: bool) -> Iterator[float]:
+    def _numbers(self, path: str, *, whole: bool) -> Iterable[float]:
         """Every constant that it or its kin is compared with, and enough numbers between them to order the kin."""
         learned = self.learned
         kin = learned.kin_of(path)
-        numbers = {*filter(is_number, learned.operands(path)), *self._bounds(kin)}
-        constants, many = sorted(numbers), len(kin)
+        operands = {*filter(is_number, learned.operands(path))}
+        constants = operands | {*self._bounds(kin)}
         if learned.is_sampled(path):
-            yield from sorted({*SAMPLES, *_next_to(constants)})
-        elif many > 1 and not constants:
-            yield from self._among(path, kin)
-        elif many > 1:
-            yield from _regions(constants, many, whole=whole)
-        else:
-            yield from self._apart(path, _regions(constants, 1, whole=whole))
+            return sorted({*SAMPLES, *_next_to([*constants])})
+        if len(kin) == 1:
+            return self._apart(path, Spots(constants, 0, 1, whole).of(stays=False))
+        if not any(one in kin for one, _, _ in learned.met):  # copied alone; one that counts has some way to go
+            many = 1 if learned.steps.keys().isdisjoint(kin) else len(kin)
+            return Spots(constants, 0, many, self._is_whole(kin)).of(stays=False)
+        return self._met(path, kin, operands)
 
-    def _among(self, path: str, kin: set[str]) -> Iterator[float]:
-        """Numbers that are compared with each other alone."""
-        many = len(kin)
-        if self._is_fixed(path, kin):
-            yield many
-        elif any(self._is_fixed(each, kin) for each in kin):
-            yield from range(2 * many) if many > 2 else self._around(path, many)
-        else:
-            yield from range(many)
+    def _met(self, path: str, kin: set[str], operands: Collection[float]) -> Iterable[float]:
+        """Numbers for one that stays or moves; of numbers that are alike to all that stay, and to it, one."""
+        learned = self.learned
+        staying, met = learned.staying(kin), [each for each in learned.met if path in each]
+        if path in staying or learned.moving_apart(kin) > 1 or not all(op for _, op, _ in met):
+            return self._lies(kin, operands, stays=path in staying)
+        fixed = [*self._lies(kin, operands, stays=True)]
+        ways = [(op, one == path, each) for one, op, _ in met for each in fixed]
 
-    def _around(self, path: str, fixed: float) -> Iterable[float]:
-        """Below, at and above the argument that it is compared with; of values that are alike to guards the first."""
-        values, met = (fixed - 1, fixed, fixed + 1), self.learned.met
-        ops = [(op, one == path) for one, op, other in met if path in (one, other)]
-        if not all(op for op, _ in ops):
-            return values
-        return first_of_each(
-            values,
-            lambda value: tuple(
-                _truth(op, value, fixed) if is_left else _truth(op, fixed, value) for op, is_left in ops
-            ),
-        )
+        def found_out(value: float) -> tuple[Any, ...]:
+            pairs = ((op, (value, each) if is_left else (each, value)) for op, is_left, each in ways)
+            return _found_out(learned.atoms.get(path, ()), value), *[_truth(op, *pair) for op, pair in pairs]
+
+        return first_of_each(self._fitting(path, self._lies(kin, operands, stays=False)), found_out)
+
+    def _lies(self, kin: set[str], operands: Collection[float], *, stays: bool) -> Iterable[float]:
+        """The numbers of those that stay or move; the ends of ranges count where there is no room within them."""
+        staying, moving = len(self.learned.staying(kin)), self.learned.moving_apart(kin)
+        within, is_whole = self._range(kin), self._is_whole(kin)
+        if self.learned.is_matched(kin) and (free := within.wholes(len(kin) + len(operands))):
+            others = [each for each in free if each not in operands]
+            return [*sorted(operands), *others[: staying if stays else len(kin)]]
+        if not operands and (free := within.wholes((moving + 1) * (staying - 1) + 1)):
+            return Spots((), staying, moving, is_whole, first=free[0] - moving).of(stays=stays)
+        return Spots({*operands, *self._bounds(kin)}, staying, moving, is_whole).of(stays=stays)
+
+    def _is_whole(self, kin: Iterable[str]) -> bool:
+        """Some of these take whole numbers only."""
+        return any(self.learned.kind_of(path) == "integer" for path in kin)
 
     def _apart(self, path: str, candidates: Iterable[Any]) -> Iterable[Any]:
         """Those that some guard treats otherwise than all before."""
         return first_of_each(self._fitting(path, candidates), partial(_found_out, self.learned.atoms.get(path, ())))
-
-    def _is_fixed(self, path: str, kin: set[str]) -> bool:
-        """One argument among facts: where it lies makes no difference, as long as they can lie on either side."""
-        sources = {each: self._keys[each].source for each in kin if each in self._keys}
-        others = {source for each, source in sources.items() if each != path}
-        return len(sources) == len(kin) and sources.get(path) == "argument" and others == {"robot"}
 
 
 def _distinct(poses: list[Any], others: list[Any], radii: list[float]) -> list[Any]:
@@ -370,27 +381,3 @@ def _past(op: str, operand: float, step: int) -> float:
 
 def _next_to(constants: list[Any]) -> set[float]:
     return {each + step for each in constants for step in (-1, 0, 1)}
-
-
-def _regions(constants: list[float], many: int, *, whole: bool) -> Iterator[float]:
-    """Each constant, and some numbers on each side of it, ascending."""
-    for low, high in zip((-math.inf, *constants), (*constants, math.inf), strict=True):
-        yield from _between(low, high, many, whole=whole)
-        if high != math.inf and not (whole and high != int(high)):
-            yield int(high) if whole else high
-
-
-def _between(low: float, high: float, many: int, *, whole: bool) -> list[float]:
-    """Some numbers strictly between two, ascending."""
-    if low == -math.inf and high == math.inf:
-        return list(range(many))
-    if low == -math.inf:
-        first = math.ceil(high) if whole else high
-        return [first - step for step in range(many, 0, -1)]
-    if high == math.inf:
-        first = math.floor(low) if whole else low
-        return [first + step for step in range(1, many + 1)]
-    if not whole:
-        return [low + (high - low) * step / (many + 1) for step in range(1, many + 1)]
-    first = math.floor(low) + 1
-    return [each for each in range(first, first + many) if each < high]

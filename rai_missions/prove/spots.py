@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where numbers lie that guards compare with each other: as many as represent every order that a run can bring.
+
+Rule: arguments stay where they are in a run, so there is room on both sides of each for what moves.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator
+from itertools import pairwise
+from typing import NamedTuple
+
+__all__ = ("NumberRange", "Spots")
+
+
+class NumberRange(NamedTuple):
+    """Between which numbers keys may lie."""
+
+    low: float
+    high: float
+
+    def wholes(self, many: int) -> range:
+        """So many successive whole numbers that lie there; none where there are fewer."""
+        first = math.ceil(self.low) if self.low > -math.inf else math.floor(min(self.high - many + 1, 0))
+        return range(first, first + many if first + many - 1 <= self.high else first)
+
+
+class Spots(NamedTuple):
+    """The numbers of keys that are compared with each other.
+
+    Between two constants lie spots for what moves, one for what stays, spots for what moves, and so on. Where whole
+    numbers are too few there for all spots, each of them counts as a constant.
+    """
+
+    constants: Collection[float]
+    stays: int
+    """How many of the keys stay where they are."""
+    moves: int
+    """How many of the others can differ from each other, between two numbers; one where that makes no difference."""
+    whole: bool
+    """Some of the keys take whole numbers only."""
+    first: int = 0
+    """The first spot, if there are no constants."""
+
+    def of(self, *, stays: bool) -> Iterator[float]:
+        """The numbers of a key that stays, or of one that moves, ascending."""
+        constants = sorted({*self.constants, *self._few()})
+        for low, high in pairwise((-math.inf, *constants, math.inf)):
+            for at, spot in enumerate(self._between(low, high)):
+                if not stays or at % (self.moves + 1) == self.moves:
+                    yield spot
+            if high != math.inf:
+                yield high
+
+    @property
+    def _many(self) -> int:
+        return self.moves * (self.stays + 1) + self.stays
+
+    def _few(self) -> Iterator[float]:
+        """The whole numbers between two constants that are too few for all spots."""
+        for low, high in pairwise(sorted(self.constants)):
+            inside = self._wholes(low, high)
+            yield from inside if len(inside) < self._many else ()
+
+    def _wholes(self, low: float, high: float) -> list[float]:
+        """Whole numbers between two constants, as many as there are spots at the most."""
+        first = math.floor(low) + 1
+        return [each for each in range(first, first + self._many) if each < high] if self.whole else []
+
+    def _between(self, low: float, high: float) -> list[float]:
+        many = self._many
+        if high == math.inf:
+            first = self.first if low == -math.inf else math.floor(low) + 1
+            return [*range(first, first + many)]
+        if low == -math.inf:
+            least = math.ceil(high) if self.whole else high
+            return [least - step for step in range(many, 0, -1)]
+        return self._wholes(low, high) or [low + (high - low) * step / (many + 1) for step in range(1, many + 1)]
