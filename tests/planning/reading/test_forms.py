@@ -91,9 +91,7 @@ SAME: Mapping[str, tuple[str, ...]] = {
     "put red next to the apple": ("rot neben den Apfel", "put red right next to the apple", "red nxt to the apple"),
 }  # fmt: skip
 TWO = [(wish, other) for wish, others in SAME.items() for other in others]
-STORED = [
-    each for each in corpus("en") if len(each.wanted.get("goals", ())) == 1 and reading_of(each.text, each.scene).goal
-]
+STORED = [each for each in corpus("en") if len(each.wanted.get("goals", ())) == 1]
 FRAMES = sorted(
     {
         " ".join(words)
@@ -113,8 +111,12 @@ def test_a_wish_in_other_words_is_the_wish(wish: str, other: str) -> None:
     assert is_said(found.goal, other, FLAT)
 
 
+def is_read(each: Request) -> bool:
+    return reading_of(each.text, each.scene).goal is not None
+
+
 @settings(max_examples=60, deadline=None)
-@given(st.sampled_from(STORED), st.sampled_from([frame for frame in FRAMES if frame.isascii()]))
+@given(st.sampled_from(STORED).filter(is_read), st.sampled_from([frame for frame in FRAMES if frame.isascii()]))
 def test_a_frame_around_a_request_changes_nothing(request_: Request, frame: str) -> None:
     expected, found = reading_of(request_.text, request_.scene), reading_of(f"{frame} {request_.text}", request_.scene)
     assert expected.goal is not None
@@ -122,7 +124,7 @@ def test_a_frame_around_a_request_changes_nothing(request_: Request, frame: str)
 
 
 @settings(max_examples=40, deadline=None)
-@given(st.sampled_from(STORED), st.sampled_from(["because i like quux", "so that we find it, please"]))
+@given(st.sampled_from(STORED).filter(is_read), st.sampled_from(["because i like quux", "so that we find it, please"]))
 def test_a_reason_after_a_request_changes_nothing(request_: Request, reason: str) -> None:
     expected, found = reading_of(request_.text, request_.scene), reading_of(f"{request_.text} {reason}", request_.scene)
     assert expected.goal is not None and found.goal is not None, found.about
