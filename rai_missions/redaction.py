@@ -71,6 +71,8 @@ SHAPES = re.compile(
     r"[\s\S]*?(?:-----END [A-Z0-9 ]{0,30}PRIVATE KEY[A-Z ]{0,10}-----|\Z)"
 )
 """What keys look like, by the prefixes that their issuers give them, or by the words before them."""
+MOST_VARIABLES = 1_000
+"""Values of variables whose secrets are remembered."""
 MARK = r"[!-/:-@\[\]^-`{-~]"
 """What Markdown may have with a backslash before it, and mean the same."""
 ANY_BACKSLASHES = r"\\*"
@@ -228,11 +230,12 @@ def _loose(part: re.Match[str]) -> str:
     return re.escape(part[0])
 
 
-def _of_variable(name: str, value: str) -> Iterator[str]:
+@lru_cache(maxsize=MOST_VARIABLES)
+def _of_variable(name: str, value: str) -> tuple[str, ...]:
+    """The secrets in a variable; a process has the same ones for long, and each text asks for them."""
     if is_secret_name(name):
-        yield value
-    elif "://" in value:
-        yield from passwords_in(value)
+        return (value,)
+    return (*passwords_in(value),) if "://" in value else ()
 
 
 def passwords_in(text: str) -> Iterator[str]:

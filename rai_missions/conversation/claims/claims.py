@@ -25,7 +25,7 @@ from rai_missions.conversation.claims.judged_sentence import CERTAIN, ClaimKind,
 from rai_missions.conversation.language.language import language, languages, spoken
 from rai_missions.conversation.sentences import sentences
 from rai_missions.conversation.view import StatusView
-from rai_missions.planning.text.normalise import LONGEST_WORD, readable
+from rai_missions.planning.text.normalise import LONGEST, LONGEST_WORD, readable
 from rai_missions.redaction import HIDDEN, cut
 
 __all__ = ("Claims", "plain", "scored_clauses")
@@ -84,6 +84,7 @@ class Claims:
             sentence: One sentence of a model.
             view: The run: its robot, mission, states and keys are subjects, too.
         """
+        sentence = cut(sentence, LONGEST)
         parts = [self._addresses.unconditioned(plain(each)) for each in statements(sentence)]
         judged = [sentence] if parts == [plain(sentence)] else [sentence, *parts]
         whole = (self._why(each, view) for each in judged)
@@ -96,6 +97,7 @@ class Claims:
             text: A model's.
             view: The run.
         """
+        text = cut(text, LONGEST)
         whole, rest = sentences(text)
         each = (sentence for sentence in (" ".join(text.split()), *whole, rest) if sentence)
         return next(filter(None, (self._why_value(sentence, view) for sentence in each)), "")
@@ -272,8 +274,8 @@ def _is_question(sentence: str) -> bool:
 
 
 def plain(sentence: str) -> str:
-    """Without marks, quotes and disguises."""
-    text = readable(sentence, by=cut)
+    """Without marks, quotes and disguises; the sentence has no secrets."""
+    text = readable(sentence)
     if SPACED.search(text):
         for spaced in (SPACED, SPACED_SHORT):
             text = spaced.sub(lambda found: found.group().replace(" ", ""), text)

@@ -43,7 +43,7 @@ class OptionSenses:
         self._requesting, self._addressed = frozenset(data["requesting"]), frozenset(data["addressed"])
         self._asking = frozenset(data["asking"]) - self._requesting
         self._known = frozenset().union(*(each.words for each in self._senses.values()))
-        self._spelled = self._known | language.vocabulary() | data["verb_forms"].keys()
+        self._spelled = self._known | language.vocabulary | data["verb_forms"].keys()
 
     def asked_for(self, text: str, options: Sequence[Offer]) -> list[Offer]:
         """The options that a sentence asks for, as they are offered.

@@ -118,12 +118,12 @@ class OrderLists:
 
     def _cuts(self, clauses: Sequence[Sequence[str]]) -> Iterator[Cut]:
         """Where a clause begins, where words join what is around them, and where an order of some words begins."""
-        at = 0
+        at, joints = 0, self._language.joints_by_word
         for clause in clauses:
             begun, place = at, 0
             while place < len(clause):
                 left = clause[place:]
-                joint = next((each for each in self._language.joints if _begins(left, each)), [])
+                joint = next((each for each in joints.get(left[0], ()) if _begins(left, each)), [])
                 is_reversing = joint in self._language.reversing_joints
                 is_marked = bool(joint) or place == 0
                 if at + place and (is_marked or (len(left) > 1 and self._grammar.begins_an_order(left))):

@@ -70,7 +70,7 @@ class SentenceGrammar:
         self._view: StatusView | None = None
         self._known = dict[tuple[str, ...], tuple[Sense, ...]]()
         """What words mean in this view: a sentence, its clauses and its parts are read by several."""
-        self._vocabulary = language.vocabulary() | self._phrases.words | self.questions.words
+        self._vocabulary = language.vocabulary | self._phrases.words | self.questions.words
 
     def senses(self, words: list[str], view: StatusView, draft: Draft | None = None) -> tuple[Sense, ...]:
         """What the words may mean in this moment; several where they are ambiguous, empty for other talk.

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from functools import cache, lru_cache
+from functools import cache, cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +26,7 @@ from rai_missions.errors import DefinitionError, UsageError, suggestion
 from rai_missions.kinds import known_names, offered
 from rai_missions.mission.json_reader import read_json
 from rai_missions.planning.text.language_file import LanguageTexts, language_codes, language_file, spoken, word_forms
-from rai_missions.planning.text.normalise import Normaliser, each_way
+from rai_missions.planning.text.normalise import Normaliser, by_word, each_way
 from rai_missions.planning.text.numbers import numbered
 
 __all__ = ("QUOTING", "Language", "language", "languages", "spoken")
@@ -99,6 +99,8 @@ class Language(LanguageTexts):
         order_joints, self.reversing_joints, self.before_openings = map(self._each_way, names)
         self.joints = sorted(order_joints + self.reversing_joints, key=len, reverse=True)
         """The words that join two orders, the longest first."""
+        self.joints_by_word = by_word(filter(None, self.joints), 0)
+        """The same by the first word."""
 
     def _phrases(self, name: str) -> Phrases:
         return Phrases(self.data[name], self.parts)
@@ -109,6 +111,7 @@ class Language(LanguageTexts):
     def _each_way(self, name: str) -> list[list[str]]:
         return [self.normaliser.words(" ".join(way)) for joint in self.data[name] for way in each_way(joint)]
 
+    @cached_property
     def vocabulary(self) -> frozenset[str]:
         """Every word of the grammar: what a misspelled word may be meant as."""
         alone = (

@@ -200,7 +200,7 @@ class Phrases(AnyPhrase):
     def match(self, words: Iterable[str]) -> Iterator[Mapping[str, str]]:
         """The slots of each phrase that the words fit as a whole."""
         text = _text(words)
-        for each in self._each:
+        for each in self._each if self._any.fullmatch(text) else ():
             if found := each.fullmatch(text):
                 yield {name: value.strip() for name, value in found.groupdict().items() if value}
 

@@ -13,8 +13,8 @@ from typing import Any
 from rai_missions.redaction import clipped
 
 __all__ = (
-    "LONGEST", "LONGEST_WORD", "NEAREST", "Normaliser", "each_way", "is_near", "is_slip", "nearest", "once", "readable",
-    "unrepeated",
+    "LONGEST", "LONGEST_WORD", "NEAREST", "Normaliser", "by_word", "each_way", "is_near", "is_slip", "nearest", "once",
+    "readable", "unrepeated",
 )  # fmt: skip
 
 LONGEST = 2_000
@@ -41,8 +41,10 @@ def readable(text: str, *, by: Cut = clipped) -> str:
         text: Of a person.
         by: How it is cut: `redaction.cut` outside a step.
     """
-    text = unicodedata.normalize("NFKC", by(text, LONGEST))
-    text = "".join(each for each in text if unicodedata.category(each) not in ("Cf", "Cs", "Co") or each == "\n")
+    text = by(text, LONGEST)
+    if not text.isascii():
+        text = unicodedata.normalize("NFKC", text)
+        text = "".join(each for each in text if unicodedata.category(each) not in ("Cf", "Cs", "Co"))
     return re.sub(r"[’‘ʼ`´]", "'", text)
 
 
@@ -52,7 +54,11 @@ def is_near(one: str, other: str) -> bool:
         return one == other
     if len(one) > len(other):
         one, other = other, one
-    at = next((index for index, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), len(one))
+    for at, (a, b) in enumerate(zip(one, other, strict=False)):  # noqa: B007 - where they differ
+        if a != b:
+            break
+    else:
+        at = len(one)
     if len(one) < len(other):
         return one[at:] == other[at + 1 :]
     is_exchanged = one[at : at + 2] == other[at : at + 2][::-1] and one[at + 2 :] == other[at + 2 :]
@@ -100,10 +106,11 @@ class Normaliser:
     def __init__(self, data: Mapping[str, Any]) -> None:
         self._contractions: Mapping[str, str] = data["contractions"]
         self._endings: Mapping[str, str] = data["contraction_endings"]
+        self._any_ending = tuple(self._endings)
         self._fillers = frozenset(data["fillers"])
         self.lead, self.tail = _by_length(data["lead"]), _by_length(data["tail"])
         """Politeness and addresses that may come first, or last, the longest first."""
-        self._leads, self._tails = _by_word(self.lead, 0), _by_word(self.tail, -1)
+        self._leads, self._tails = by_word(self.lead, 0), by_word(self.tail, -1)
         self._reporting, self._speaking = frozenset(data["reporting"]), frozenset(data["speaking"])
         self._quoting = frozenset(data["quoting"])
         self._articles = frozenset(data["articles"])
@@ -133,13 +140,17 @@ class Normaliser:
 
         A word to stop behind a point is a sentence, whatever is ahead of it.
         """
+        if "." not in text:
+            return text
         text = self._numbered.sub(lambda found: f"{self._numbering[found[1].lower()]} ", text)
         return self._title.sub(r"\1 ", text)
 
     def _written_out(self, token: str) -> str:
         """A word whose last letters stand for a word of their own: `why've` is `why have`."""
-        ending = next((each for each in self._endings if token.endswith(each)), "")
-        return f"{token.removesuffix(ending)} {self._endings[ending]}" if ending else token
+        if not token.endswith(self._any_ending):
+            return token
+        ending = next(each for each in self._endings if token.endswith(each))
+        return f"{token.removesuffix(ending)} {self._endings[ending]}"
 
     def spoken(self, words: Iterable[str]) -> list[str]:
         """The words without fillers."""
@@ -222,7 +233,7 @@ def _by_length(given: Iterable[str]) -> list[list[str]]:
     return sorted((words for each in given for words in each_way(each)), key=len, reverse=True)
 
 
-def _by_word(phrases: Iterable[list[str]], at: int) -> Mapping[str, list[list[str]]]:
+def by_word(phrases: Iterable[list[str]], at: int) -> Mapping[str, list[list[str]]]:
     """The phrases by their first word, or by their last, each list in their order."""
     found = dict[str, list[list[str]]]()
     for each in phrases:
