@@ -9,6 +9,9 @@ from collections.abc import Iterable
 
 from rai_missions.check.finding import Found
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
+from rai_missions.check.reachability import entered_with
+from rai_missions.check.scc import knots
+from rai_missions.guards import Elapsed, Guard
 from rai_missions.states import Parallel
 
 __all__ = ("hasty_retries", "lost_timers", "rival_actions")
@@ -48,18 +51,54 @@ def _continues(transition: TransitionRef, latest: dict[StateRef | None, list[flo
 
 
 def hasty_retries(index: MissionIndex) -> Found:
-    """An action or a call that is `rejected` is begun again at once, and so on, as long as its server is away."""
-    for spot in index.spots:
-        if not spot.state.reports_robot:
-            continue
-        own = (each for each in spot.transitions if each.definition.of in (None, spot.name))
-        retry = next((each for each in own if "rejected" in each.definition.on), None)
-        if retry is not None and retry.definition.when is None and retry.definition.to == (spot.name,):
-            yield (
-                f"{retry.place}/to",
-                f"while no server is there, '{spot.name}' is rejected and entered again without a pause; "
-                f'lead to a state that waits, {{"after_s": 5, "to": "{spot.name}"}}',
-            )
+    """What is `rejected` is begun again at once, perhaps by an answer of rules, as long as its server is away."""
+    taken = {spot: found for spot in index.spots if (found := _taken_at_once(index, spot))}
+    ways = {each.place: each for found in taken.values() for each in found}
+    leads: dict[StateRef | str, list[StateRef | str]] = {spot: [each.place for each in taken[spot]] for spot in taken}
+    leads.update({place: [*(entered_with(index, way.targets, None) & taken.keys())] for place, way in ways.items()})
+    for knot in knots(leads):
+        spots = [each for each in knot if isinstance(each, StateRef)]
+        ruled = [spot.name for spot in spots if not spot.state.reports_robot]
+        by = f" by an answer of rules to '{ruled[0]}'" if ruled else ""
+        places = set(knot)
+        for spot in (each for each in spots if each.state.reports_robot):
+            (retry,) = taken[spot]
+            if retry.place in places:
+                places.discard(retry.place)
+                yield (
+                    f"{retry.place}/to",
+                    f"while no server is there, '{spot.name}' is rejected and entered again without a pause{by}; "
+                    f'lead to a state that waits, {{"after_s": 5, "to": "{retry.definition.to[0]}"}}',
+                )
+
+
+def _taken_at_once(index: MissionIndex, spot: StateRef) -> list[TransitionRef]:
+    """The transitions that are taken as soon as it is entered, where no server is there and rules answer."""
+    found: list[TransitionRef] = []
+    for outcome in _at_once(index, spot):
+        around = (each for here in spot.upward() for each in here.transitions if outcome in each.definition.on)
+        taken = next((each for each in around if each.definition.of in (None, spot.name)), None)
+        if taken is not None and taken.definition.when is None and taken.targets:
+            found.append(taken)
+    return found
+
+
+def _at_once(index: MissionIndex, spot: StateRef) -> Iterable[str]:
+    """Its outcomes that take no time, and that nothing which the mission counts or waits for ends."""
+    if spot.state.reports_robot:
+        return ("rejected",)
+    asked = spot.state.question()
+    if asked is None or "rules" not in asked.ask:
+        return ()
+    return (name for name, option in asked.options.items() if option.when is None or _is_of_robot(index, option.when))
+
+
+def _is_of_robot(index: MissionIndex, guard: Guard) -> bool:
+    """Whether it reads what the robot reports, and nothing else."""
+    keys = [index.mission.blackboard.get(path.partition(".")[0]) for each in guard.walk() for path in each.paths()]
+    return all(key is not None and key.source == "robot" for key in keys) and not any(
+        isinstance(each, Elapsed) for each in guard.walk()
+    )
 
 
 def rival_actions(index: MissionIndex) -> Found:
