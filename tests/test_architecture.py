@@ -56,7 +56,10 @@ VALUE, SINK = "rai_missions.engine.short_way:value", "rai_missions.journal.buffe
     ("stays", "fault"),
     [
         ([(RUNNER, False), ("rai_missions.engine.chart:Chart.sent", False)], "there is no rai_missions.engine.chart:"),
-        ([(RUNNER, False), ("rai_missions.prove.explorer:no_such", False)], "there is no rai_missions.prove"),
+        (
+            [(RUNNER, False), ("rai_missions.prove:no_such", False)],
+            "there is no rai_missions.prove",
+        ),
         ([(CHART, False), (RUNNER, False)], "rai_missions.engine.chart does not import rai_missions.runtime.runner"),
         ([(CHART, False), (RUNNER, False)], "does not name Runner"),
         ([(CHART, False), (RUNNER, False)], "may not know rai_missions.runtime.runner:Runner"),

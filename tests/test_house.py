@@ -75,7 +75,7 @@ PASSED_ON = {
     "rai_missions/agents/mission.py": "a program that runs missions imports from here",
     "rai_missions/engine/activities/factory.py": "its import registers the machines",
     "rai_missions/conversation/language/language.py": "what a sentence is read and spoken by is one import",
-    "rai_missions/prove/explorer.py": "what it explores is a graph of these",
+    "rai_missions/prove/exploration/explorer.py": "what it explores is a graph of these",
 }
 """A module that offers names of others → why."""
 

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Proof: every run of a mission, explored; what is promised of all of them is proved, or refuted by a shortest run.
 
+Its parts, each above the next: `verdicts` on each claim; `exploration` of all states; `environment`, whatever can
+happen in one; `abstraction`, what makes two states one; `analysis` of the mission as it is written.
+
 Imports `check`, `engine`, `guards`, `journal`, `mission`, `model`, `planning` and `states`, and the modules of the
 root.
 """
@@ -18,14 +21,14 @@ from rai_missions.engine.robot_facts import RobotFacts, check_facts
 from rai_missions.errors import UsageError
 from rai_missions.mission.garbage import few_collections
 from rai_missions.mission.mission import Mission, given_mission
-from rai_missions.prove.circles import circling
-from rai_missions.prove.counterexample import TraceReplayer, TraceStep, scenes, ways_to
-from rai_missions.prove.environment import Environment
-from rai_missions.prove.explorer import Space
+from rai_missions.prove.analysis.loops import FEW, Loop, long_loops, may_rest, unlike, with_rounds
+from rai_missions.prove.environment.environment import Environment
+from rai_missions.prove.exploration.explorer import Space
 from rai_missions.prove.limits import MOST_STATES, Limits, Stopped
-from rai_missions.prove.loops import FEW, Loop, long_loops, may_rest, unlike, with_rounds
-from rai_missions.prove.properties import CLAIMS, Property, claims, lost, stuck
-from rai_missions.prove.unrolled import repeated, unrolled
+from rai_missions.prove.verdicts.circles import circling
+from rai_missions.prove.verdicts.counterexample import TraceReplayer, TraceStep, scenes, ways_to
+from rai_missions.prove.verdicts.properties import CLAIMS, Property, claims, lost, stuck
+from rai_missions.prove.verdicts.unrolled import repeated, unrolled
 from rai_missions.redaction import shown
 
 if TYPE_CHECKING:

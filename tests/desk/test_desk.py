@@ -11,7 +11,7 @@ from rai_missions.check import check
 from rai_missions.mission.files import dump, load
 from rai_missions.profile import load_profile, missing, terms
 from rai_missions.prove import prove
-from rai_missions.prove.environment import Environment
+from rai_missions.prove.environment.environment import Environment
 from tests.desk.episodes import DESK_MISSIONS, Episode, episode
 from tests.desk.scenes import CASES, Case
 

@@ -203,7 +203,7 @@ from rai_missions import Chart, Mission
 from rai_missions.engine.snapshot_json import packed, unpacked
 from rai_missions.engine.state import RunState, copied
 from rai_missions.journal.in_flight import InFlight
-from rai_missions.prove.environment import Environment
+from rai_missions.prove.environment.environment import Environment
 from rai_missions.replay.migrate.activities import carry
 from rai_missions.replay.migrate.configuration import reached_states
 from rai_missions.replay.migrate.map import Map

@@ -15,11 +15,11 @@ from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.compiled_states import CompiledGuard, CompiledState
 from rai_missions.engine.configuration import Configuration
 from rai_missions.mission.mission import Mission
-from rai_missions.prove.environment import Environment
-from rai_missions.prove.explorer import Edge, Space
+from rai_missions.prove.analysis.liveness import ALL, Later
+from rai_missions.prove.analysis.parts import parts
+from rai_missions.prove.environment.environment import Environment
+from rai_missions.prove.exploration.explorer import Edge, Space
 from rai_missions.prove.limits import Limits
-from rai_missions.prove.liveness import ALL, Later
-from rai_missions.prove.parts import parts
 from rai_missions.prove.stimulus import Stimulus
 from rai_missions.states.action import Action
 from rai_missions.states.tree.leaves import ActionLeaf

@@ -19,10 +19,10 @@ from rai_missions.journal import Header
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import prove, record
-from rai_missions.prove.answer_values import Parameters
-from rai_missions.prove.environment import Environment
-from rai_missions.prove.input_env import InputEnvironment
-from rai_missions.prove.state_key import Place
+from rai_missions.prove.abstraction.state_key import Place
+from rai_missions.prove.environment.answer_values import Parameters
+from rai_missions.prove.environment.environment import Environment
+from rai_missions.prove.environment.input_env import InputEnvironment
 from rai_missions.replay.replay import replay
 from tests.prove.explored import HANDS, Backwards, RecordingSpace, seen
 from tests.prove.test_laws import hold_against_forgetless, hold_against_patient
@@ -76,7 +76,7 @@ class AtOnce(InputEnvironment):
 
 def at_once(mission: Mission) -> Environment:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("rai_missions.prove.environment.InputEnvironment", AtOnce)
+        patch.setattr("rai_missions.prove.environment.environment.InputEnvironment", AtOnce)
         return Environment(mission)
 
 

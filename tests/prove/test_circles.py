@@ -11,7 +11,7 @@ from rai_missions.engine import Chart
 from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import prove
-from rai_missions.prove.environment import Environment
+from rai_missions.prove.environment.environment import Environment
 
 Json = dict[str, Any]
 NEVER: Json = {"check": {"key": "n", "<": 0}}

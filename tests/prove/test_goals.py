@@ -13,8 +13,8 @@ from rai_missions.guards.goal import judged
 from rai_missions.mission.mission import Mission
 from rai_missions.planning.examples import GOALS
 from rai_missions.prove import prove
-from rai_missions.prove.goals import requests, sights
-from rai_missions.prove.representatives import Values
+from rai_missions.prove.analysis.goals import requests, sights
+from rai_missions.prove.analysis.representatives import Values
 from tests.engine.test_goals import ASKED_FOR, FEASIBLE, KEYS, REACHED, TOWER, mission
 
 Json = dict[str, Any]

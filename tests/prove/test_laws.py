@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.mission.mission import Mission
-from rai_missions.prove.environment import Environment
+from rai_missions.prove.environment.environment import Environment
 from tests.prove.explored import WORK, Forgetless, RecordingSpace, explored, facts, scripts, walked
 from tests.strategies import mission_documents
 

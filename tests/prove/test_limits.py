@@ -13,8 +13,8 @@ from rai_missions.cli.main import main
 from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import prove
-from rai_missions.prove.environment import Environment
-from rai_missions.prove.explorer import Space
+from rai_missions.prove.environment.environment import Environment
+from rai_missions.prove.exploration.explorer import Space
 
 Json = dict[str, Any]
 

@@ -13,10 +13,11 @@ from rai_missions.engine import macrostep
 from rai_missions.engine.compiled_states import CompiledState
 from rai_missions.engine.state import RunState
 from rai_missions.mission.mission import Mission
-from rai_missions.prove import prove, step_chains, step_circles
-from rai_missions.prove.environment import Environment
-from rai_missions.prove.nondeterminism import Choices
-from rai_missions.prove.step_circles import StepCircles
+from rai_missions.prove import prove
+from rai_missions.prove.abstraction import step_chains, step_circles
+from rai_missions.prove.abstraction.nondeterminism import Choices
+from rai_missions.prove.abstraction.step_circles import StepCircles
+from rai_missions.prove.environment.environment import Environment
 from tests.prove.explored import RecordingSpace
 from tests.prove.test_laws import lenient
 

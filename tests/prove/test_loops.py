@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from rai_missions.journal import Header
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
-from rai_missions.prove import Proof, loops, prove, record
+from rai_missions.prove import Proof, prove, record
+from rai_missions.prove.analysis import loops
 from rai_missions.replay.replay import replay
 from tests.strategies import KEYS as TREE_KEYS
 from tests.strategies import tree_nodes

@@ -15,8 +15,8 @@ from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import load_profile, terms
 from rai_missions.prove import Proof, prove, record
-from rai_missions.prove.environment import Environment
-from rai_missions.prove.explorer import Space
+from rai_missions.prove.environment.environment import Environment
+from rai_missions.prove.exploration.explorer import Space
 from rai_missions.replay.replay import replay
 from tests.prove.explored import ROOT, document
 

@@ -16,7 +16,7 @@ from rai_missions.engine.activities.tree_rounds import Rounds
 from rai_missions.engine.trees import CompiledTrees
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import prove
-from rai_missions.prove.passed_nodes import PassedNodes
+from rai_missions.prove.analysis.passed_nodes import PassedNodes
 from rai_missions.states.tree import TreeNode
 from rai_missions.trees import PyTrees
 from tests.prove.test_laws import hold_against_forgetless

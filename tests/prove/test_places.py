@@ -16,8 +16,8 @@ from rai_missions import Chart, Event
 from rai_missions.guards.near import distance
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import Proof, prove
-from rai_missions.prove.environment import Environment
-from rai_missions.prove.places import Places
+from rai_missions.prove.analysis.places import Places
+from rai_missions.prove.environment.environment import Environment
 
 Json = dict[str, Any]
 POSE: Json = {"type": "pose", "source": "robot", "max_age_s": 5, "frame": "map"}

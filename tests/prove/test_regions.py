@@ -13,12 +13,12 @@ from rai_missions.engine.activities import tree_rounds
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import prove
-from rai_missions.prove.circles import circling
-from rai_missions.prove.counterexample import scenes
-from rai_missions.prove.environment import Environment
-from rai_missions.prove.explorer import Space
+from rai_missions.prove.environment.environment import Environment
+from rai_missions.prove.exploration.explorer import Space
 from rai_missions.prove.limits import Limits
-from rai_missions.prove.properties import claims, lost, stuck
+from rai_missions.prove.verdicts.circles import circling
+from rai_missions.prove.verdicts.counterexample import scenes
+from rai_missions.prove.verdicts.properties import claims, lost, stuck
 from tests.prove.connected import CONNECTED, among_others, region
 from tests.prove.connected import mission as connected
 from tests.prove.regional import FACTS, regional

@@ -20,10 +20,10 @@ from rai_missions.mission.mission import Mission
 from rai_missions.planning.examples import GOALS, REQUESTS
 from rai_missions.planning.scene import judged_by
 from rai_missions.prove import prove
-from rai_missions.prove.comparisons import Comparisons
-from rai_missions.prove.environment import Environment
-from rai_missions.prove.open_sight import OpenSight, Sights
-from rai_missions.prove.representatives import Values
+from rai_missions.prove.abstraction.open_sight import OpenSight, Sights
+from rai_missions.prove.analysis.comparisons import Comparisons
+from rai_missions.prove.analysis.representatives import Values
+from rai_missions.prove.environment.environment import Environment
 from tests.engine.test_goals import ASKED_FOR, FEASIBLE, KEYS, REACHED
 from tests.prove.explored import RecordingSpace
 from tests.prove.test_goals import moving

@@ -15,7 +15,7 @@ from rai_missions.engine import Chart
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import prove
-from rai_missions.prove.representatives import Values
+from rai_missions.prove.analysis.representatives import Values
 
 Json = dict[str, Any]
 Lie = tuple[float, ...]

@@ -10,8 +10,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.mission.mission import Mission
-from rai_missions.prove import step_circles
-from rai_missions.prove.environment import Environment
+from rai_missions.prove.abstraction import step_circles
+from rai_missions.prove.environment.environment import Environment
 from tests.prove.explored import WORK, RecordingSpace
 from tests.prove.test_laws import hold_alike, lenient
 from tests.strategies import mission_documents

@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 from rai_missions.engine.robot_facts import RobotFacts
-from rai_missions.prove.environment import Environment
-from rai_missions.prove.explorer import Edge, Space
+from rai_missions.prove.environment.environment import Environment
+from rai_missions.prove.exploration.explorer import Edge, Space
 from tests.rigs.charts import mission
 
 STOP = "the operator stops the robot"

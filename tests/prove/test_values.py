@@ -10,8 +10,8 @@ import pytest
 
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import prove
-from rai_missions.prove.environment import Environment
-from rai_missions.prove.explorer import Space
+from rai_missions.prove.environment.environment import Environment
+from rai_missions.prove.exploration.explorer import Space
 
 Json = dict[str, Any]
 LOW: Json = {"key": "battery", "<": 0.15}

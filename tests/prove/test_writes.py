@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.mission.mission import Mission
-from rai_missions.prove.environment import Environment
+from rai_missions.prove.environment.environment import Environment
 from tests.prove.test_goals import moving
 from tests.prove.test_laws import hold_against_forgetless
 

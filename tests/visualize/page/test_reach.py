@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from rai_missions.engine.step import Move
 from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
-from rai_missions.prove.environment import Environment
-from rai_missions.prove.explorer import Space
+from rai_missions.prove.environment.environment import Environment
+from rai_missions.prove.exploration.explorer import Space
+from rai_missions.prove.exploration.step_cache import Arrival
 from rai_missions.prove.state_graph import Edge
-from rai_missions.prove.step_cache import Arrival
 from rai_missions.prove.stimulus import CANCEL
 from tests.strategies import KEYS, missions
 from tests.visualize.runs import ROOT, tractor

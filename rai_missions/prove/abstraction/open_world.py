@@ -1,0 +1,254 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the surroundings of a mission can be: keys, fields, lists and predicates have any value when a rule looks.
+
+Rule: nothing is chosen before a rule looks at it; what is assumed of the robot is listed here, and nowhere else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from typing import Any
+
+from rai_missions.engine import Chart
+from rai_missions.engine.activities.computing import ComputedResult
+from rai_missions.engine.compiled_states import CompiledGuard, CompiledState
+from rai_missions.guards.view import Site, Truth, as_counted
+from rai_missions.keys import Stamped
+from rai_missions.mission.mission import Mission
+from rai_missions.prove.abstraction.nondeterminism import Choices, OpenBoard, OpenFields
+from rai_missions.prove.abstraction.open_rounds import OpenRounds, list_name
+from rai_missions.prove.abstraction.open_sight import OpenSight, Sights
+from rai_missions.prove.analysis.comparisons import Comparisons
+from rai_missions.prove.analysis.liveness import LooksAhead
+from rai_missions.prove.analysis.parts import guards_in, parts, writes_in
+from rai_missions.prove.analysis.questions import questions
+from rai_missions.prove.analysis.representatives import SCALARS, Values
+from rai_missions.states.action import Action
+from rai_missions.states.call import Call
+from rai_missions.states.tree.leaves import ActionLeaf, CallLeaf
+
+__all__ = ("NOW", "OpenWorld", "predicates_in")
+
+NOW = 1e6
+"""The instant at which everything happens."""
+PREDICATE = (True, False, None)
+
+
+def predicates_in(mission: Mission, choices: Choices) -> dict[str, Callable[..., Truth]]:
+    """The predicates of the user's program that a mission names; each has any value whenever it is asked."""
+
+    def predicate(known: Any, **arguments: Any) -> Truth:
+        value: Truth = choices.pick(PREDICATE)
+        return value
+
+    return dict.fromkeys(sorted(name for each in guards_in(mission) for name in each.predicates()), predicate)
+
+
+class OpenWorld:
+    """A blackboard on which robot and arguments can be anything.
+
+    Args:
+        chart: The mission, before the start.
+        choices: Where what is left open is chosen.
+    """
+
+    def __init__(self, chart: Chart, choices: Choices) -> None:
+        mission, state = chart.mission, chart.state
+        self._chart, self.choices = chart, choices
+        self.predicates = frozenset(chart.program.named)
+        self.values = Values(mission, chart.terms)
+        keys = mission.blackboard
+        self.fleeting = frozenset(name for name, key in keys.items() if key.source == "robot")
+        """The keys that the robot reports."""
+        self.passing = frozenset(name for name, key in keys.items() if key.must_recur)
+        """Those that it must report again and again."""
+        self.open_keys = self.fleeting | {name for name, key in keys.items() if key.source == "argument"}
+        """The keys that can have any value at the start."""
+        self.own_keys = frozenset(keys) - self.open_keys
+        """The keys that only the mission, answers and results write."""
+        self.own_fade = any(keys[key].max_age_s is not None for key in self.own_keys)
+        """Some of them grow stale."""
+        self.shapes = {name: shape for name in sorted(self.fleeting) if (shape := self._shape(name)) is not None}
+        """Objects that are known field by field, or question by question."""
+        self.wavering: dict[str, Any] = {}
+        """Key → what it was until this instant, at which it may go stale."""
+        self.board = OpenBoard(self.open_keys, self._value, NOW)
+        for name, entry in state.board.items():
+            if name not in self.open_keys:
+                self.board[name] = entry
+        self.rounds = OpenRounds(self.board.looked)
+        lists = {list_name(name) for name, node in chart.program.graph.nodes.items() if node.is_each}
+        self.stored = self.own_keys | lists
+        """What is apart from the rest of a state: the own keys, and the lists that states go over."""
+        state.board, state.rounds, state.at = self.board, self.rounds, NOW
+        self.facts = self._facts()
+        """The keys that rest on what the robot, its servers and services report."""
+        self._assume()
+        self.chosen = {} if self.is_open else self._distinguished()
+        """Reported scalar → the values of which a look finds one: of those that are alike the first."""
+
+    @property
+    def is_open(self) -> bool:
+        """Others may look at a value in their own way: the user's predicates, and kinds of other packages."""
+        return bool(self.predicates or self._chart.mission.uses)
+
+    def _facts(self) -> frozenset[str]:
+        mission = self._chart.mission
+        kinds: tuple[type[Any], ...] = (Action, Call, ActionLeaf, CallLeaf)
+        with_results: Iterator[Any] = (part for kind in kinds for part in parts(mission, kind))
+        facts = set(self.fleeting | {key for part in with_results for key in part.result})
+        copies = {(e.set, e.source.split(".")[0]) for e in writes_in(mission) if e.source is not None}
+        while more := {name for name, source in copies if source in facts} - facts:
+            facts |= more
+        return frozenset(facts)
+
+    # -- what is free ---------------------------------------------------------------------------------------------
+
+    def _value(self, key: str) -> Any:
+        if key in self.wavering:
+            return self.choices.pick((self.wavering.pop(key), None))
+        shape = self.shapes.get(key)
+        if shape is not None:
+            can_lack = None in self.values.of(key)
+            return None if can_lack and self.choices.choose(2) == 0 else shape.fresh({})
+        if self._chart.mission.blackboard[key].type == "list":
+            return self._list(key)
+        return self.choices.pick(self.chosen.get(key) or self.values.of(key))
+
+    def _distinguished(self) -> dict[str, tuple[Any, ...]]:
+        """Of values that are alike to all that is asked of a key the first.
+
+        Either of two such values leads to the same steps as long as it lasts, and any other can follow on both.
+        """
+        mission, state, facts = self._chart.mission, self._chart.state, self._chart.program.facts
+        scalars = [key for key in self.fleeting if mission.blackboard[key].type in SCALARS]
+        found = {}
+        for key, asked in questions((mission, facts.succeeded, facts.failed), scalars).items():
+            tests = [(each.compile(Site("", mission.blackboard)), counts) for each, counts in asked]
+            first = dict[Any, Any]()
+            for value in self.values.of(key):
+                state.board = {} if value is None else {key: Stamped(value, NOW)}
+                first.setdefault(tuple([as_counted(test(state), counts) for test, counts in tests]), value)
+            found[key] = tuple(first.values())
+        state.board = self.board
+        return found
+
+    def _list(self, key: str) -> list[Any] | None:
+        """Of no, one or two items, each anything; `Abstraction` has longer ones."""
+        many = self.choices.pick((0, 1, 2, None) if None in self.values.of(key) else (0, 1, 2))
+        return None if many is None else [self.choices.pick(self.values.item(key)) for _ in range(many)]
+
+    def _shape(self, key: str) -> OpenFields | None:
+        if self.values.is_sight(key):
+            return OpenSight(Sights([each for each in self.values.of(key) if each is not None], self.choices.pick))
+        if fields := self.values.shape(key):
+            return OpenFields(fields, partial(self.values.part, key), self.choices.pick)
+        return None
+
+    def anything_of(self, node: CompiledState, into: str, live: LooksAhead) -> Callable[..., ComputedResult]:
+        """What a state may work out: any of its outcomes, with any value that can come with it.
+
+        Of values that are the same in all that may be read of them once the state has ended so, one represents all:
+        the step, and every later one, reads the same of each, and differs in nothing else. Where no guard looks into
+        what an outcome comes with, the value that has it, and nothing in it, represents all.
+        """
+        state, fitting = node.state, dict[str, list[Any]]()
+        assert state is not None
+        outcomes = sorted(state.computed())
+        known = [value for value in self.values.of(into) if value is not None]
+        for outcome in outcomes:
+            later = live.with_outcome(node, outcome, outcomes)
+            examples = state.worked_out(outcome)
+            can_come = [
+                value for value in known if any(self._is_like(into, value, each) for each in examples or [value])
+            ]
+            can_come = can_come or [max(known, key=len, default={})]
+            fitting[outcome] = list({repr(later.of(into, value)): value for value in reversed(can_come)}.values())[::-1]
+
+        def compute(*given: Any) -> ComputedResult:
+            outcome = self.choices.pick(tuple(fitting))
+            return ComputedResult(outcome, self.choices.pick(fitting[outcome]))
+
+        return compute
+
+    def _is_like(self, path: str, value: Mapping[str, Any], example: Mapping[str, Any]) -> bool:
+        """Whether the fields that anybody looks at are known in an object if they are in another."""
+        learned = self.values.learned
+        for field in learned.within(path):
+            inner, one, other = f"{path}.{field}", value.get(field), example.get(field)
+            is_known = bool(one) if learned.is_goal(inner) else one is not None
+            if is_known != (other is not None):
+                return False
+            if isinstance(one, Mapping) and isinstance(other, Mapping) and not self._is_like(inner, one, other):
+                return False
+        return True
+
+    # -- what is assumed ------------------------------------------------------------------------------------------
+
+    def _assume(self) -> None:
+        """Set the invariants aside that no rule can keep or break: what they speak of is the robot's affair."""
+        program = self._chart.program
+        self.assumed = {name: each for name, each in program.invariants if self._speaks_of_the_robot_alone(each)}
+        """Invariants that are taken to hold."""
+        program.invariants = tuple((name, each) for name, each in program.invariants if name not in self.assumed)
+        kept = {name: program.mission.invariants[name] for name, _ in program.invariants}
+        mission = program.mission.model_copy(update={"invariants": kept})
+        looked_at = Comparisons(mission, program.facts).compared
+        self._doubted = [each for each in self.assumed.values() if self._can_be_broken(each, looked_at)]
+
+    def _can_be_broken(self, condition: CompiledGuard, looked_at: frozenset[str]) -> bool:
+        """Whether it must be asked for in each state; one over a single key narrows down that key's values instead."""
+        if condition.reads.isdisjoint(looked_at) and "*" not in condition.reads:
+            return False
+        key = next(iter(condition.reads))
+        if len(condition.reads) > 1 or key not in self.fleeting or key in self.shapes or condition.holds:
+            return True
+        self.values.narrow(key, lambda value: self._allows(condition, key, value))
+        self._chart.state.board = self.board
+        return False
+
+    def _allows(self, condition: CompiledGuard, key: str, value: Any) -> bool:
+        state = self._chart.state
+        state.board = {} if value is None else {key: Stamped(value, NOW)}
+        return condition.test(state) is not False
+
+    def _speaks_of_the_robot_alone(self, condition: CompiledGuard) -> bool:
+        of_the_run = any(each.age_s is not None or each.states() for each in condition.guard.walk())
+        return not of_the_run and bool(condition.reads) and condition.reads <= self.fleeting | {"*"}
+
+    @property
+    def doubts(self) -> bool:
+        """It is asked in each state whether something that is assumed of the robot is true."""
+        return bool(self._doubted)
+
+    @property
+    def is_possible(self) -> bool:
+        """Nothing that is assumed of the robot is false."""
+        return all(each.test(self._chart.state) is not False for each in self._doubted)
+
+    def own(self) -> dict[str, Any]:
+        """What the mission's own keys hold, as far as it is known."""
+        return {key: entry for key, entry in self.board.entries() if key in self.own_keys}
+
+    # -- what success rests on ------------------------------------------------------------------------------------
+
+    @property
+    def asked_at_the_end(self) -> frozenset[str]:
+        """The keys that decide whether a success counts."""
+        final = self._chart.state.final
+        return final.requires.reads if final is not None and final.requires is not None else frozenset()
+
+    @property
+    def rests_on_facts(self) -> bool:
+        """Whether the mission's success would not have counted had robot, servers and services reported nothing."""
+        state = self._chart.state
+        final = state.final
+        if final is None or final.requires is None:
+            return False
+        state.board = OpenBoard((), self._value, NOW)
+        state.board.refill({key: entry for key, entry in self.board.entries() if key not in self.facts})
+        try:
+            return final.requires.test(state) is not True
+        finally:
+            state.board = self.board

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a mission asks of a key: the parts of its guards that read this key alone, each as a whole.
+
+Rule: two values are alike where every such part makes the same of both, and nothing but these reads the key.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from rai_missions.guards import All, Any_
+from rai_missions.guards.guard import Guard, made
+from rai_missions.guards.view import Truth
+from rai_missions.mission.mission import Mission
+from rai_missions.model import MissionModel
+from rai_missions.prove.analysis.parts import inside, parts
+from rai_missions.states.decision import Option
+from rai_missions.states.transition import Transition
+from rai_missions.states.tree.decorators import EternalGuard
+from rai_missions.states.tree.leaves import CheckLeaf
+
+__all__ = ("questions",)
+
+TRUE_OR_NOT = Transition, Option, CheckLeaf, EternalGuard
+"""Of their guards it only counts whether they are true; of a mission's, the invariants, whether they are false."""
+
+
+def questions(value: Any, keys: Iterable[str]) -> dict[str, list[tuple[Guard, Truth]]]:
+    """What is asked of some keys; those that are compared with others, or that something else reads, are left out.
+
+    Args:
+        value: A mission, and what else has guards.
+        keys: They are scalars.
+
+    Returns:
+        Key → each part, and which of its values counts; None where each does.
+    """
+    read_otherwise = frozenset[str]().union(*map(_read, _others(value)))
+    reading: dict[str, list[tuple[Guard, Truth]]] = {key: [] for key in keys if key not in read_otherwise}
+    for guard, counts in _outermost(value):
+        for key in _about(guard) & reading.keys():
+            reading[key] += _asked(guard, key, counts)
+    return {key: found for key, found in reading.items() if all(_is_alone(guard, key) for guard, _ in found)}
+
+
+def _outermost(value: Any, counts: Truth = None) -> Iterator[tuple[Guard, Truth]]:
+    """The guards that are in no other, and which of their values counts."""
+    if isinstance(value, Guard):
+        yield value, counts
+        return
+    counts = True if isinstance(value, TRUE_OR_NOT) else False if isinstance(value, Mission) else None
+    for part in inside(value):
+        yield from _outermost(part, counts)
+
+
+def _asked(guard: Guard, key: str, counts: Truth) -> Iterator[tuple[Guard, Truth]]:
+    """The outermost parts of a guard that read a key alone; what is no part of another is one in any case."""
+    inner = list(guard.inner())
+    if _is_alone(guard, key) or not inner:
+        yield guard, counts
+        return
+    for each in _together(guard, key):
+        if key in _about(each):
+            yield from _asked(each, key, guard.counts_inside(counts))
+
+
+def _together(guard: Guard, key: str) -> Iterator[Guard]:
+    """What a guard is made of; of an `all` or `any` those that read a key alone are one."""
+    inner = list(guard.inner())
+    alone = [each for each in inner if key in _about(each) and _is_alone(each, key)]
+    if len(alone) > 1 and isinstance(guard, All | Any_):
+        yield made(guard.word, **{guard.word: alone})
+        inner = [each for each in inner if each not in alone]
+    yield from inner
+
+
+def _about(guard: Guard) -> frozenset[str]:
+    """The keys that a guard reads."""
+    return frozenset[str]().union(*map(_read, guard.walk()))
+
+
+def _others(value: Any) -> Iterator[MissionModel]:
+    """All written things but guards, and but the mission itself, which declares its keys."""
+    return (part for part in parts(value, MissionModel) if not isinstance(part, Guard | Mission))
+
+
+def _read(part: MissionModel) -> frozenset[str]:
+    """The keys that a written thing reads itself."""
+    return frozenset(name.partition(".")[0] for refers, name, _ in part.references() if refers.sort in ("path", "key"))
+
+
+def _is_alone(guard: Guard, key: str) -> bool:
+    """Whether it is true or not by this key's value alone: by no other, by no time and by no state."""
+    return all(
+        not each.held_s
+        and each.age_s is None
+        and not each.states()
+        and not each.predicates()
+        and all(path.partition(".")[0] == key for path in each.paths())
+        for each in guard.walk()
+    )

@@ -1,0 +1,322 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Time, as far as a proof knows it: whatever waits for it gets it, in any order.
+
+Rule: what is known may go stale at the instant at which something else runs out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Iterable, Iterator
+from typing import Any
+
+from rai_missions.engine import Chart
+from rai_missions.engine.activities.decision import DecisionActivity
+from rai_missions.engine.activities.tree import RunningLeaf, TreeActivity, TreeMachine, limit_of
+from rai_missions.engine.hold import is_held, live
+from rai_missions.engine.state import RunState
+from rai_missions.engine.timing import pass_instant
+from rai_missions.prove.abstraction.abstraction import PURSUED, Abstraction
+from rai_missions.prove.abstraction.activity_key import timer_key
+from rai_missions.prove.abstraction.instruments import Instruments
+from rai_missions.prove.abstraction.nondeterminism import MISSING
+from rai_missions.prove.abstraction.open_world import NOW, OpenWorld
+from rai_missions.prove.abstraction.state_key import StateCodec
+from rai_missions.prove.analysis.branches import firsts, parted, passed
+from rai_missions.prove.environment.input_env import InputEnvironment, owned
+from rai_missions.prove.stimulus import Stimulus
+
+__all__ = ("TimeEnvironment",)
+
+LONG_AGO = 0.0
+
+
+class TimeEnvironment:
+    """Time that passes for whatever waits for it.
+
+    Args:
+        chart: The mission.
+        world: What the surroundings can be.
+        codec: How old states are, and the groups of what waits in trees.
+        inputs: What runs.
+        rest: Which goals make a difference.
+        instruments: What trees did in the step.
+    """
+
+    def __init__(
+        self,
+        chart: Chart,
+        world: OpenWorld,
+        codec: StateCodec,
+        inputs: InputEnvironment,
+        rest: Abstraction,
+        instruments: Instruments,
+    ) -> None:
+        self._chart, self._world, self._codec, self._inputs = chart, world, codec, inputs
+        self._rest, self._instruments = rest, instruments
+        self._over = ("", frozenset[str]())
+        """The state of the tree, and the group of its waits, of which something is over in this step."""
+        self._spans = self._durations()
+
+    @property
+    def _state(self) -> RunState:
+        """The state that is loaded, or that the step leads to."""
+        return self._chart.state
+
+    def _durations(self) -> dict[tuple[str, Any], tuple[str, float]]:
+        """The timers that are set when a state is entered → the state, and after how many seconds they run out."""
+        found: dict[tuple[str, Any], tuple[str, float]] = {}
+        for node in self._chart.program.graph.order:
+            for transition in node.transitions:
+                if transition.definition.after_s is not None:
+                    found["after", transition.place] = (node.name, transition.definition.after_s)
+            if node.state is not None and node.state.timeout_s is not None:
+                found["timeout", node.name] = (node.name, node.state.timeout_s)
+        return found
+
+    def _comes_later(self, key: tuple[str, Any]) -> bool:
+        """Whether another timer that was set at the same entry of the same state runs out before it."""
+        if key not in self._spans:
+            return False
+        owner, span = self._spans[key]
+        spans = (self._spans[each] for each in self._state.timers if each in self._spans)
+        return any(name == owner and other < span for name, other in spans)
+
+    @property
+    def is_silent(self) -> bool:
+        """Nothing is known that the robot must report again and again: it has been silent for long."""
+        return all(self._world.board.known(key) in (None, MISSING) for key in self._world.passing)
+
+    def kept(self, waiting: Iterable[Stimulus], taken: str) -> frozenset[str]:
+        """Which of the things that waited for time wait on after a step, and not from the beginning."""
+        begun = {
+            name for move in self._state.draft.moves for name in (*move.exited, *move.entered)
+        } | self._instruments.turned
+        return frozenset(each.words for each in waiting if each.words != taken and self._waits_on(each, begun))
+
+    def _waits_on(self, each: Stimulus, begun: Collection[str]) -> bool:
+        if each.timer is None:
+            return each.owner not in begun
+        key, order = each.timer
+        if key[0] == "goal":
+            goal = self._state.goals.get(order)
+            return goal is not None and goal.phase not in (*PURSUED, "orphaned")
+        return key in self._state.timers and self._state.timers[key].order == order
+
+    def time_passes(self, *woken: str) -> None:
+        """What has run out takes effect; the machines of these states are informed that time has passed."""
+        self._chart.state.draft.due = frozenset(woken)
+        pass_instant(self._chart.program, self._state)
+
+    def elapse(self, change: Callable[[], None], *woken: str, beyond: str = "") -> Callable[[], None]:
+        """Time passes until something has run out; what is known may go stale at the same instant.
+
+        Args:
+            change: What has run out.
+            woken: The states whose machines learn that time has passed.
+            beyond: Only keys that come after this: that one before it goes stale too happens when that one does.
+        """
+
+        def happen() -> None:
+            before = self._waver(beyond)
+            change()
+            self.time_passes(*woken)
+            gone = [key for key in before if key not in self._world.wavering and self._world.board.known(key) is None]
+            for key in self._world.wavering:
+                self._world.board.put(key, before[key])
+            self._world.wavering.clear()
+            if gone and self._state.mode != "ended":
+                self._state.draft.news.update(dict.fromkeys(gone, ""))
+                self.time_passes(*self._readers(gone))
+
+        return happen
+
+    def _waver(self, beyond: str) -> dict[str, Any]:
+        """Have every key that can go stale do so at this instant or not, when someone looks."""
+        before: dict[str, Any] = {}
+        for key, entry in list(self._world.board.entries()):
+            if entry is not None and key > beyond and key in self._world.passing:
+                before[key] = entry
+                self._world.wavering[key] = entry.value
+                self._world.board.pop(key)
+        return before
+
+    def _readers(self, keys: Iterable[str]) -> list[str]:
+        """The states whose machines want to be notified of these."""
+        wanted = {*keys, "*"}
+        return [
+            name
+            for name, machine, state in live(self._chart.program, self._state)
+            if not machine.reads(state).isdisjoint(wanted)
+        ]
+
+    def times(self) -> Iterator[Stimulus]:
+        """Each thing that waits for time gets it, in any order."""
+        for key, timer in sorted(self._state.timers.items(), key=lambda each: timer_key(*each)):
+            if self._comes_later(key) or timer.control in self._state.frozen:
+                continue
+            kind, which = key
+            kinds = {"after": f"the time of transition {which} has come", "timeout": f"the time of '{which}' is over"}
+            words = kinds.get(kind, f"'{timer.name}' is due")
+            raised = timer.name if kind == "raise" else ""
+            yield Stimulus(words, "time", self.elapse(self._ring(key)), timer=(key, timer.order), event=raised)
+        for name, until in sorted(self._state.pending.items()):
+            if until != math.inf:
+                yield Stimulus(
+                    f"no handover for '{name}' in time",
+                    "time",
+                    self._dated("pending", name, NOW),
+                    owner=name,
+                )
+        for name in self._settling_now():
+            yield Stimulus(f"'{name}' has not settled", "time", self._dated("settling", name, NOW), owner=name)
+        if self._state.final is not None and not self._state.settling:
+            yield Stimulus("time passes at the end", "time", self.elapse(lambda: None))
+        if self._state.cancel_by != math.inf:
+            yield Stimulus("the cancel takes too long", "time", self.elapse(self._too_long))
+        yield from self._ages()
+
+    def _settling_now(self) -> list[str]:
+        """The finals that settle, but for those of held states."""
+        nodes = self._chart.program.graph.nodes
+        return [
+            name
+            for name in sorted(self._state.settling)
+            if self._state.final is not None or not is_held(self._state, nodes[name])
+        ]
+
+    def orphans(self) -> Iterator[Stimulus]:
+        """Goals that nothing pursues are never confirmed to have ended."""
+        for goal in self._rest.remaining:
+            if goal.phase != "orphaned":
+                words = f"'{goal.action}' never confirms its end"
+                orphan = self.elapse(self._orphan(goal.number))
+                yield Stimulus(words, "time", orphan, timer=(("goal", ""), goal.number), is_of_goal=True)
+
+    def _ages(self) -> Iterator[Stimulus]:
+        for name in self._codec.aging:
+            if name and is_held(self._state, self._chart.program.graph.nodes[name]):
+                continue
+            words = f"'{name or 'the mission'}' has lasted {self._codec.next_age(name):g} s"
+            aged = self.elapse(self._aged(name), *self._state.running)
+            yield Stimulus(words, "time", aged, owner=name, is_tick=True)
+        for memory, since in sorted(self._state.held.items()):
+            keeper = self._chart.program.graph.keepers[memory]
+            if since == NOW and keeper.control not in self._state.frozen:
+                words = f"the guard of {memory.partition('#')[0]} has held for long enough"
+                yield Stimulus(words, "time", self._dated("held", memory, LONG_AGO), owner=keeper.name)
+
+    def machine_times(self) -> Iterator[Stimulus]:
+        for name, path, state in list(self._inputs.inner()):
+            owner, tree = owned(name, path), self._state.running[name]
+            if path is not None and tree.leaves[path].deadline != math.inf:
+                over = self.elapse(self._leaf_over(name, path), name)
+                yield Stimulus(f"the time of '{owner}' is over", "time", over, owner=name)
+            wake = self._machine_of(name, path).wake_at(state, self._state)
+            words = f"time passes for '{owner}'"
+            if isinstance(state, DecisionActivity) and state.deadline != math.inf:
+                wake, words = state.deadline, f"the deadline of '{owner}' has come"
+            if NOW < wake < math.inf:
+                yield Stimulus(words, "time", self.elapse(self._let_pass(name, path, wake), name), owner=name)
+        for name, state in self._inputs.running(held=True):
+            if limit_of(state) == "rounds":
+                yield Stimulus(f"the rounds of '{name}' continue", "time", self._continue(name), owner=name)
+            if isinstance(state, TreeActivity) and NOW < state.wake < math.inf:
+                yield from self._tree_times(name, state)
+
+    def _tree_times(self, name: str, state: TreeActivity) -> Iterator[Stimulus]:
+        """What the tree waits for by itself is over; of branches that began at several instants, that of any."""
+        groups = self._codec.groups.get(name, ())
+        if not groups or all(memory.get("until") != state.wake for memory in state.tree.nodes.values()):
+            yield Stimulus(f"time passes for '{name}'", "time", self.elapse(self._grow(name), name), owner=name)
+        for group in firsts(state, groups):
+            words = f"time passes for '{name}' ({min(group)})"
+            yield Stimulus(words, "time", self.elapse(self._pass_for(name, group), name), owner=name)
+
+    def _pass_for(self, name: str, group: frozenset[str]) -> Callable[[], None]:
+        def change() -> None:
+            self._over = (name, group)
+            self._state.running[name] = passed(self._state.running[name], group, NOW)
+
+        return change
+
+    def begin_step(self) -> None:
+        """Nothing is over yet."""
+        self._over = ("", frozenset())
+
+    def part_groups(self) -> None:
+        """Bring the groups of what waits in trees up to date, once a step has come to rest."""
+        (over, group), codec, begun = self._over, self._codec, self._instruments.begun
+        running = self._state.running
+        for name, activity in running.items():
+            if isinstance(activity, TreeActivity):
+                its_own = group if name == over else None
+                codec.groups[name] = parted(activity, codec.groups.get(name, ()), begun.get(name, ()), its_own)
+        if codec.groups:
+            codec.groups = {name: each for name, each in codec.groups.items() if each and name in running}
+
+    def _continue(self, name: str) -> Callable[[], None]:
+        return lambda: self.time_passes(name)
+
+    def _machine_of(self, name: str, path: str | None) -> Any:
+        machine: Any = self._chart.program.machines[name]
+        return machine if path is None else machine.leaf_machines[path].machine
+
+    def _ring(self, key: Any) -> Callable[[], None]:
+        def change() -> None:
+            self._state.timers[key] = self._state.timers[key]._replace(due=NOW)
+
+        return change
+
+    def _dated(self, field: str, name: str, at: float) -> Callable[[], None]:
+        """Time passes until what waits there, or has been so since then, has another instant."""
+        return self.elapse(lambda: getattr(self._state, field).update({name: at}))
+
+    def _too_long(self) -> None:
+        self._chart.state.cancel_by = NOW
+
+    def _orphan(self, number: int) -> Callable[[], None]:
+        def change() -> None:
+            goals = self._state.goals
+            goals[number] = goals[number]._replace(until=NOW)
+
+        return change
+
+    def _aged(self, name: str) -> Callable[[], None]:
+        age = self._codec.next_age(name)
+        assert age is not None
+        return lambda: self._codec.grow_old(name, age)
+
+    def _leaf_over(self, name: str, path: str) -> Callable[[], None]:
+        def change() -> None:
+            tree = self._state.running[name]
+            leaves = {**tree.leaves, path: RunningLeaf(tree.leaves[path].state, NOW)}
+            self._state.running[name] = tree._replace(leaves=leaves)
+
+        return change
+
+    def _let_pass(self, name: str, path: str | None, wake: float) -> Callable[[], None]:
+        """So much time passes for one machine alone."""
+
+        def change() -> None:
+            machine, state = self._machine_of(name, path), self._state.running[name]
+            if path is None:
+                self._state.running[name] = machine.shift(state, NOW - wake)
+                return
+            leaf = state.leaves[path]
+            leaves = {**state.leaves, path: RunningLeaf(machine.shift(leaf.state, NOW - wake), leaf.deadline)}
+            self._state.running[name] = state._replace(leaves=leaves)
+
+        return change
+
+    def _grow(self, name: str) -> Callable[[], None]:
+        """So much time passes for a tree that its own next instant comes; its leaves' time is another affair."""
+
+        def change() -> None:
+            state, machine = self._state.running[name], self._chart.program.machines[name]
+            assert isinstance(machine, TreeMachine)
+            self._over = (name, frozenset())
+            tree = machine.ticker.shift(state.tree, NOW - state.wake)
+            self._state.running[name] = state._replace(tree=tree, wake=NOW)
+
+        return change

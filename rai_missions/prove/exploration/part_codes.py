@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The codes of states that are taken apart: one number for a state, with the number of each of its parts in it.
+
+Rule: two such states are the same where their codes are.
+"""
+
+from __future__ import annotations
+
+from rai_missions.prove.exploration.region_parts import PartNumbers
+
+__all__ = ("BITS", "PartCodes")
+
+BITS = 24
+"""Of a part's number in the code of a state; there are never so many parts as states."""
+
+
+class PartCodes:
+    """Makes and reads codes: the head, for the frame and what the store answers, then the parts.
+
+    Args:
+        widest: The most parts that a state has.
+    """
+
+    def __init__(self, widest: int = 0) -> None:
+        self.widest = widest
+        self._width = BITS * widest
+        self._heads: dict[tuple[int, bytes], int] = {}
+        """Frame, and all of the store that makes a difference, → the head."""
+        self._frames: list[tuple[int, range]] = []
+        """Of each head the frame, and where in a code with it the parts are."""
+
+    def code(self, spot: PartNumbers, answer: bytes) -> int:
+        """The code of a state.
+
+        Args:
+            spot: Its frame and its parts.
+            answer: All of its store that makes a difference.
+        """
+        code = self._head(spot, answer)
+        for part in spot.parts:
+            code = code << BITS | part
+        return code << BITS * (self.widest - len(spot.parts))
+
+    def first(self, spot: PartNumbers, answer: bytes) -> int:
+        """The code of a state with this frame and these answers whose parts are all 0."""
+        return self._head(spot, answer) << self._width
+
+    def head_of(self, code: int) -> int:
+        """The number of the frame and of what matters of the store: what is left of a code without its parts."""
+        return code >> self._width
+
+    def inner(self, code: int) -> int:
+        """A code without its head."""
+        return code & (1 << self._width) - 1
+
+    def spot(self, code: int) -> PartNumbers:
+        """The frame and the parts of the state that has a code."""
+        frame, places = self._frames[code >> self._width]
+        return PartNumbers(frame, tuple([code >> BITS * place & (1 << BITS) - 1 for place in places]))
+
+    def _head(self, spot: PartNumbers, answer: bytes) -> int:
+        found = self._heads.setdefault((spot.frame, answer), len(self._heads))
+        if found == len(self._frames):
+            self._frames.append((spot.frame, range(self.widest - 1, self.widest - 1 - len(spot.parts), -1)))
+        return found

@@ -1,0 +1,322 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How a state that is taken apart is left: what each of its parts can do was made once, and is put together.
+
+Rule: of each part, and of the frame, it is known what can happen there; it is the same in every state that has them. A
+state is put together as a run, and a step made in it, only where none that was made before fits (`StepFootprint`).
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Sequence
+from functools import reduce
+from operator import or_
+from typing import Any, Protocol
+
+from rai_missions.prove.abstraction.state_key import Place
+from rai_missions.prove.abstraction.store import ALL_GOALS, Store, Stores
+from rai_missions.prove.exploration.findings import Findings
+from rai_missions.prove.exploration.part_codes import BITS, PartCodes
+from rai_missions.prove.exploration.part_courses import (
+    ENDED,
+    KEPT,
+    LOUD,
+    OUTER,
+    TREES,
+    Course,
+    Half,
+    Halves,
+    NotedArrival,
+    Share,
+    Slot,
+)
+from rai_missions.prove.exploration.region_parts import PartNumbers, RegionParts
+from rai_missions.prove.exploration.regions import OF_GOALS, OUTSIDE
+from rai_missions.prove.exploration.separate_regions import EntangledError, SeparateRegions
+from rai_missions.prove.exploration.step_cache import CachedStep, PartsView, StepCache, joined
+from rai_missions.prove.exploration.step_maker import StepCase, StepOrigin
+from rai_missions.prove.limits import Meter
+
+__all__ = ("PartSteps", "Search")
+
+HalfTable = tuple[Halves, Halves, Halves]
+"""First halves, second halves, and what can happen around all parts by what decides it."""
+TWO = 2
+"""Where fewer parts have not come to their ends, what can happen on account of one rests on the others."""
+MOST_HALVES = 50_000
+"""So many halves of states are remembered; past that all are forgotten and it starts again."""
+
+
+class Search(Protocol):
+    """The exploration, as it is seen from a state that is left."""
+
+    meter: Meter
+    findings: Findings
+
+    @property
+    def is_over(self) -> bool: ...
+
+    def scenes(self, number: int, place: Place) -> tuple[list[StepCase], list[StepCase]]: ...
+
+    def cut_off(self, number: int) -> None: ...
+
+    def depth_of(self, number: int) -> int: ...
+
+    def note_parts(
+        self, number: int, parts: Sequence[frozenset[str]], outer: frozenset[str], of_goals: frozenset[str]
+    ) -> None: ...
+
+    def note_no_waiting(self, number: int) -> None: ...
+
+    def repeat(
+        self, noted: Iterable[Sequence[NotedArrival]], steps: int, source: int, store: Store, code: int
+    ) -> None: ...
+
+    def again(self, course: CachedStep, source: int, store: Store, spot: PartNumbers | None = None) -> None: ...
+
+    def each_way(self, scene: StepCase, here: StepOrigin, before: StepCache, view: PartsView) -> CachedStep: ...
+
+
+class PartSteps:
+    """Leaves states that are taken apart.
+
+    Args:
+        search: The exploration.
+        parts: Takes states apart.
+        codes: Has the codes of states.
+        stores: The stores of states.
+        owner_of: Whose goal, call, question or behaviour has a number in the state that is loaded.
+        apart: Notes regions that share nothing, which are explored one at a time; None where all are side by side.
+    """
+
+    def __init__(
+        self,
+        search: Search,
+        parts: RegionParts,
+        codes: PartCodes,
+        stores: Stores,
+        owner_of: Callable[[int], str],
+        apart: SeparateRegions | None = None,
+    ) -> None:
+        self._search, self._parts, self._codes, self._stores = search, parts, codes, stores
+        self._owner_of, self._apart = owner_of, apart
+        self._every_goal = stores.question([ALL_GOALS])
+        self._shares: dict[Any, Share] = {}
+        """StateFrame, with what all parts of a state have in common, → what can happen around them."""
+        self._slots: list[list[dict[int, Slot]]] = []
+        """StateFrame, group, number of a part → it."""
+        self._by_frame: dict[int, HalfTable] = {}
+        """StateFrame → what is known of halves of states that have it."""
+        self._tables: dict[int, HalfTable] = {}
+        """How the code of a state begins → the same."""
+        self._halves = 0
+        self._nothing = frozenset[str]()
+
+    def leave(self, number: int, store: Store, code: int) -> None:
+        """Everything that can happen in a state, which has a code among others."""
+        if self._apart is not None:
+            self._leave_apart(self._apart, number, self._codes.spot(code), store, code)
+        elif not self._leave_by_halves(number, store, code):
+            self._leave_by_parts(number, self._codes.spot(code), store, code)
+
+    def _leave_by_halves(self, number: int, store: Store, code: int) -> bool:
+        """The same, where each half of its parts rests on itself alone, and is known; whether that is so."""
+        search, width = self._search, self._codes.widest
+        if store.goals or width == 1:
+            return False
+        table = self._tables.get(self._codes.head_of(code))
+        if table is None:
+            table = self._table(code)
+        inner = BITS * (width // 2)
+        codes = code >> inner & (1 << BITS * width - inner) - 1, code & (1 << inner) - 1
+        one, other = table[0].find(codes[0], store), table[1].find(codes[1], store)
+        summary = one.summary | other.summary if one is not None and other is not None else 0
+        outer = table[2].find(summary & OUTER, store)
+        if one is None or other is None or outer is None:
+            self._learn(table, codes, store, code)
+            return False
+        if not (one.is_own and other.is_own and outer.is_own) or one.open + other.open < TWO:
+            return False
+        if (one.wakes | other.wakes | outer.wakes) & summary:
+            return False
+        steps = one.steps + other.steps + outer.steps
+        is_alike = (not one.turns or one.fits(other.reads)) and (not other.turns or other.fits(one.reads))
+        if not (is_alike and search.meter.has_room(steps)):
+            return False
+        if one.waits or other.waits or outer.waits:
+            search.note_parts(number, [*one.words, *other.words], self._nothing.union(*outer.words), self._nothing)
+        else:
+            search.note_no_waiting(number)
+        search.repeat((one.noted, other.noted, outer.noted), steps, number, store, code)
+        return True
+
+    def _table(self, code: int) -> HalfTable:
+        """What is known of the halves of states with the frame of one."""
+        table = self._by_frame.setdefault(self._codes.spot(code).frame, (Halves(), Halves(), Halves()))
+        self._tables[self._codes.head_of(code)] = table
+        return table
+
+    def _learn(self, table: HalfTable, codes: tuple[int, int], store: Store, code: int) -> None:
+        """Note what is known of the halves of a state, and of what can happen around all its parts."""
+        if self._halves >= MOST_HALVES:
+            self._tables.clear()
+            self._by_frame.clear()
+            self._halves = 0
+        spot, middle = self._codes.spot(code), self._codes.widest - self._codes.widest // 2
+        slots, view = self._slots_of(spot), self._view(spot)
+        around = reduce(or_, (slot.summary for slot in slots)) & OUTER
+        for halves, key, first, some, shares in (
+            (table[0], codes[0], 0, slots[:middle], [slot.share for slot in slots[:middle]]),
+            (table[1], codes[1], middle, slots[middle:], [slot.share for slot in slots[middle:]]),
+            (table[2], around, 0, [], [self._shares.get((spot.frame, around))]),
+        ):
+            if halves.find(key, store) is None and (found := self._known(shares, store, view)) is not None:
+                asked = frozenset[object]().union(*(course.step.asked for _, course in found))
+                halves.add(key, self._stores.question(asked), store, Half(some, first, found))
+                self._halves += 1
+
+    def _leave_by_parts(self, number: int, spot: PartNumbers, store: Store, code: int) -> None:
+        """The same, part by part."""
+        search, slots = self._search, self._slots_of(spot)
+        summary = reduce(or_, (slot.summary for slot in slots))
+        shares = self._shares_of(spot, slots, summary, store)
+        found = self._known(shares, store, self._view(spot))
+        steps = sum(course.steps for _, course in found or ())
+        if found is None or not search.meter.has_room(steps):
+            self._make(number, spot, store)
+            return
+        if any(share.waits for share, _ in found):
+            self._note_waiting(number, shares)
+        else:
+            search.note_no_waiting(number)
+        search.repeat([course.noted for _, course in found], steps, number, store, code)
+
+    def _known(
+        self, shares: Iterable[Share | None], store: Store, view: PartsView
+    ) -> list[tuple[Share, Course]] | None:
+        """Each with all that it comes to in a state; None where that is not known of all."""
+        found = []
+        for share in shares:
+            course = share.joined.find(store, view) if share is not None else None
+            if share is None or course is None:
+                return None
+            found.append((share, course))
+        return found
+
+    def _view(self, spot: PartNumbers) -> PartsView:
+        return PartsView(spot.parts, self._parts.of(spot))
+
+    def _slots_of(self, spot: PartNumbers) -> list[Slot]:
+        frame, parts = spot
+        try:
+            return [slots[number] for slots, number in zip(self._slots[frame], parts, strict=True)]
+        except LookupError:
+            return self._new_slots(spot)
+
+    def _new_slots(self, spot: PartNumbers) -> list[Slot]:
+        while len(self._slots) <= spot.frame:
+            self._slots.append([{} for _ in self._parts.frames[len(self._slots)].parallel.members])
+        of = enumerate(zip(self._slots[spot.frame], spot.parts, strict=True))
+        return [slots.setdefault(number, Slot(self._parts.of(spot)[group])) for group, (slots, number) in of]
+
+    def _shares_of(self, spot: PartNumbers, slots: Sequence[Slot], summary: int, store: Store) -> list[Share | None]:
+        """Of each part, of the frame and of the goals that nothing pursues what can happen there, as far as known."""
+        if summary & ENDED:
+            open_ = [group for group, slot in enumerate(slots) if not slot.summary & ENDED]
+            shares = [slot.last if open_ in ([], [group]) else slot.share for group, slot in enumerate(slots)]
+        else:
+            shares = [slot.share for slot in slots]
+        shares.append(self._shares.get((spot.frame, summary & OUTER)))
+        if store.goals:
+            shares.append(self._shares.get((spot.frame, self._every_goal.of(store))))
+        return shares
+
+    def _note_waiting(self, number: int, shares: Sequence[Share | None]) -> None:
+        """Note what waits for time; no shares where nothing does."""
+        parts = [
+            share.words if share is not None else self._nothing for share in shares if share is None or share.group >= 0
+        ]
+        outer = [share.words for share in shares if share is not None and share.group == OUTSIDE]
+        goals = [share.words for share in shares if share is not None and share.group == OF_GOALS]
+        self._search.note_parts(number, parts, self._nothing.union(*outer), self._nothing.union(*goals))
+
+    def _leave_apart(self, apart: SeparateRegions, number: int, spot: PartNumbers, store: Store, code: int) -> None:
+        """The same, but steps are made of one group alone once it has moved."""
+        head, depth = self._codes.head_of(code), self._search.depth_of(number)
+        groups = [*apart.moved(head, spot.parts), OUTSIDE]
+        summary = reduce(or_, (slot.summary for slot in self._slots_of(spot)))
+        shares = self._make(number, spot, store, groups)
+        if store.goals or summary & (LOUD | KEPT | TREES | ENDED) or any(each.waits for each in shares):
+            raise EntangledError
+        view = self._view(spot)
+        outcomes = {
+            share.group: found.step for share in shares if (found := share.joined.find(store, view)) is not None
+        }
+        if not self._search.is_over:
+            apart.leave(head, spot, [part.wakes for part in view.parts], depth, outcomes)
+
+    def _make(self, number: int, spot: PartNumbers, store: Store, scopes: Sequence[int] = ()) -> list[Share]:
+        """The same where not all of it is known.
+
+        Args:
+            number: The state's.
+            spot: Its parts.
+            store: Its store.
+            scopes: Of which groups; none of these: of all, and of all that is around them.
+
+        Returns:
+            What can happen on account of each of these.
+        """
+        view = self._view(spot)
+        place = self._parts.place(spot, store)
+        slots = self._slots_of(spot)
+        summary = reduce(or_, (slot.summary for slot in slots))
+        known = self._shares_of(spot, slots, summary, store)
+        if None in known:
+            self._search.findings.stop(number, place)
+        found, others = self._search.scenes(number, place)
+        by_scope = self._by_scope(spot, [*found, *others])
+        every = [*range(len(slots)), OUTSIDE, OF_GOALS]
+        waiting = [
+            [scene for scope in some for scene in by_scope[scope] if scene.happening.kind == "time"]
+            for some in (every[:-1], every[-1:])
+        ]
+        here = StepOrigin(number, place, waiting[0], waiting[1], spot, view.parts)
+        shares = [share or Share(by_scope[scope], scope) for share, scope in zip(known, every, strict=False)]
+        open_ = [group for group, slot in enumerate(slots) if not slot.summary & ENDED]
+        for group, (slot, share) in enumerate(zip(slots, shares, strict=False)):
+            slot.have(share, is_last=open_ in ([], [group]))
+        self._shares[spot.frame, summary & OUTER] = shares[len(slots)]
+        if store.goals:
+            self._shares[spot.frame, self._every_goal.of(store)] = shares[-1]
+        self._note_waiting(number, shares)
+        made = [share for share in shares if not scopes or share.group in scopes]
+        for share in made:
+            self._make_share(share, by_scope[share.group], here, view)
+        return made
+
+    def _make_share(self, share: Share, scenes: Sequence[StepCase], here: StepOrigin, view: PartsView) -> None:
+        store, courses = here.place.store, []
+        assert here.spot is not None
+        for scene, cache in zip(scenes, share.caches, strict=True):
+            if self._search.is_over:
+                self._search.cut_off(here.number)
+                return
+            course = cache.whole.find(store, view)
+            if course is not None:
+                self._search.again(course, here.number, store, here.spot)
+            else:
+                course = self._search.each_way(scene, here, cache, view)
+            courses.append(course)
+        whole = joined(courses)
+        made = Course(whole, here.spot, self._codes.widest)
+        share.joined.add(self._stores.question(whole.asked), store, made, view)
+
+    def _by_scope(self, spot: PartNumbers, scenes: Iterable[StepCase]) -> dict[int, list[StepCase]]:
+        """What can happen in a state, which is loaded, by the group that it concerns."""
+        parallel, found = self._parts.frames[spot.frame].parallel, defaultdict[int, list[StepCase]](list)
+        for scene in scenes:
+            owner = self._owner_of(scene.happening.number) if scene.happening.number else ""
+            scope = self._parts.regions.scope(parallel, scene.happening, owner)
+            found[scope].append(scene._replace(scope=scope))
+        return found
