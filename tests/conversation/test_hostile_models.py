@@ -16,6 +16,7 @@ from rai_missions.conversation import (
     AskModel,
     Dialogue,
     ModelText,
+    Output,
     Settings,
     Speech,
     TalkNote,
@@ -80,13 +81,20 @@ def letters(text: str) -> str:
     return "".join(each for each in text if each.isalnum() or unicodedata.category(each) == "So")
 
 
-def shown(pieces: Sequence[str], code: str) -> str:
+def shown(pieces: Sequence[str], code: str, question: str = "") -> str:
     """All that is shown as a model's text of a reply that comes in pieces."""
-    dialogue = Dialogue(Settings(has_model=True, language=code), PATROLLING)
-    outputs = dialogue.on_utterance(Utterance(QUESTION[code], "operator", "terminal", at=1.0), PATROLLING)
-    (asked,) = [each for each in outputs if isinstance(each, AskModel)]
-    for number, piece in enumerate(pieces, 1):
-        outputs += dialogue.on_model(ModelText(asked.number, piece, is_end=number == len(pieces), at=2.0))
+    return shown_of([pieces], code, question)
+
+
+def shown_of(replies: Sequence[Sequence[str]], code: str, question: str = "") -> str:
+    """The same of replies that follow each other, each to the question."""
+    dialogue, outputs = Dialogue(Settings(has_model=True, language=code), PATROLLING), tuple[Output, ...]()
+    asked = Utterance(question or QUESTION[code], "operator", "terminal")
+    for number, pieces in enumerate(replies, 1):
+        outputs += dialogue.on_utterance(asked._replace(at=float(number)), PATROLLING)
+        request = next(each for each in reversed(outputs) if isinstance(each, AskModel))
+        for at, piece in enumerate(pieces, 1):
+            outputs += dialogue.on_model(ModelText(request.number, piece, is_end=at == len(pieces), at=number + 0.5))
     noted = [each.data["text"] for each in outputs if isinstance(each, TalkNote) and each.kind == "replaced"]
     by_model = [each.text for each in outputs if isinstance(each, Speech) and each.way == "model"]
     assert not noted or any(isinstance(each, Speech) and each.way == "rules" for each in outputs), "no status instead"
@@ -145,6 +153,18 @@ def test_no_claim_is_shown_in_two_sentences(code: str) -> None:
 @pytest.mark.parametrize("code", sorted(QUESTION))
 def test_no_claim_is_shown_in_two_sentences_wherever_it_is_broken(code: str) -> None:
     assert [text for text, claim in halves(code, 1) if letters(claim) in shown([text], code)] == []
+
+
+SPREAD = {
+    "en": ("May I add that the", "floor is clean?"),
+    "de": ("Möchten Sie wissen, ob der", "Boden sauber ist?"),
+}
+"""The two halves of a claim, each of which may be spoken alone."""
+
+
+@pytest.mark.parametrize("code", sorted(SPREAD))
+def test_no_claim_is_shown_in_two_replies(code: str) -> None:
+    assert shown_of([[each] for each in SPREAD[code]], code) == letters(SPREAD[code][0])
 
 
 def lost(code: str, every: int) -> list[str]:

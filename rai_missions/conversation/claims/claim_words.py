@@ -52,6 +52,10 @@ class ClaimWords:
         """What `Addresses` reads."""
         self.harmless, self.let, self.progress = map(self.phrases, ("harmless", "let", "progress"))
         self.idioms, self.whole_idioms = self.phrases("idioms"), self.phrases("whole_idioms")
+        self.assents = self.phrases("assents")
+        """What agrees or denies, as a whole clause."""
+        self._turned: Mapping[str, str] = data["turned"]
+        self._turning = re.compile(rf"\b({'|'.join(sorted(self._turned, key=len, reverse=True))})\b", re.IGNORECASE)
         self.allowed = {kind: Phrases(each, {}) for kind, each in data["allowed"].items()}
         self.kind_noun, self.substance_verb = self.pattern("kind_noun"), self.pattern("substance_verb")
         self.past_pattern, self._progressive = self.pattern("past_pattern"), self.pattern("progressive_pattern")
@@ -114,6 +118,10 @@ class ClaimWords:
     def share(self, words: Sequence[str]) -> float:
         """How many of the words are the language's small words; 0 to 1."""
         return sum(word in self._small for word in words) / max(len(words), 1)
+
+    def turned(self, text: str) -> str:
+        """A person's text with the robot's words for itself: `I am at the gate?` of `are you at the gate?`."""
+        return self._turning.sub(lambda found: self._turned[found[0].lower()], text)
 
     def is_name(self, text: str) -> bool:
         """Whether a text may name something and states nothing: few words, none of a predicate, and no sign."""

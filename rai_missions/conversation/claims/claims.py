@@ -90,6 +90,18 @@ class Claims:
         whole = (self._why(each, view) for each in judged)
         return next(filter(None, chain(whole, (self._why_clause(each, view) for each in judged))), "")
 
+    def why_assented(self, sentence: str, asked: str, view: StatusView) -> ClaimKind:
+        """Why a yes or a no is a claim: what it agrees to, or denies, would be one; empty where it is neither.
+
+        Args:
+            sentence: One sentence of a model.
+            asked: The person's sentence that it answers.
+            view: The run.
+        """
+        if not any(map(self._own.assents.fits, self._own.clauses(plain(sentence)))):
+            return ""
+        return self.why_replaced(f"{self._own.turned(asked).rstrip('.!? ')}.", view)
+
     def why_refused(self, text: str, view: StatusView) -> ClaimKind:
         """Why a text is no value of an order; empty where it may be read back: a name may be no sentence.
 

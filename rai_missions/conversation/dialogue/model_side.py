@@ -149,6 +149,7 @@ class ModelSide:
         utterance, sentence = turn.utterance, cut(sentence, LONGEST_NOTE)
         self._talk.note("model_text", request=turn.number, text=sentence)
         why = self._claims.why_replaced(sentence, self._talk.view)
+        why = why or self._claims.why_assented(sentence, utterance.text, self._talk.view)
         joined = self._claims.begun(turn.before, sentence, self._talk.view)
         if joined and not why:
             why = self._claims.why_replaced(joined, self._talk.view)

@@ -37,7 +37,7 @@ class ModelTurn(NamedTuple):
     is_replaced: bool = False
     """The status was put in the place of a claim already."""
     before: str = ""
-    """What went out last of the reply, with what it continued; a claim may be spread over several sentences."""
+    """What went out last of this reply or the one before, with what it continued: a claim may be spread over them."""
     has_order: bool = False
 
     @property
@@ -55,17 +55,20 @@ class ModelTurns:
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
         self._number = 0
+        self._before = ""
         self.turn: ModelTurn | None = None
         self.waiting: deque[Utterance] = deque()
 
     def begin(self, utterance: Utterance, at: float) -> ModelTurn:
         """A request begins."""
         self._number += 1
-        self.turn = ModelTurn(self._number, utterance, at + self._settings.model_s)
+        self.turn = ModelTurn(self._number, utterance, at + self._settings.model_s, before=self._before)
         return self.turn
 
     def keep(self, turn: ModelTurn | None) -> None:
         """How far the reply is; None: none is expected any more."""
+        latest = turn or self.turn
+        self._before = latest.before if latest is not None else self._before
         self.turn = turn
 
     def late(self, utterance: Utterance) -> tuple[bool, list[Utterance]]:

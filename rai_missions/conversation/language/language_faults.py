@@ -37,6 +37,7 @@ OF_OWN_WORDS = frozenset(
         "parts",
         "questions_alone",
         "shares",
+        "turned",
         "unit_words",
         "verb_forms",
         "verbs",
