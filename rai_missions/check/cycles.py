@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Transitions without an event that can follow one another for ever, within one instant.
 
-Such a transition fires as soon as its guard holds. Two facts end a cycle: a guard that the states entered make false
-(`in`, `elapsed_s`, `held`), and a key that something on the way sets. Where neither is there, the cycle is found.
+Such a transition fires as soon as its guard holds. Three facts end a cycle: a guard that the states entered make false
+(`in`, `elapsed_s`, `held`), a key that something on the way sets, and guards that name states of which one excludes
+the other. Where none is there, the cycle is found.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import NamedTuple
 
 from rai_missions.check.finding import Found
@@ -16,8 +18,8 @@ from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
 from rai_missions.check.reachability import entered_with
 from rai_missions.check.scc import knots
 from rai_missions.guards import Guard
-from rai_missions.guards.form import Form, Junction
-from rai_missions.guards.implication import form, implies, never
+from rai_missions.guards.form import Atom, Form, Junction
+from rai_missions.guards.implication import conjuncts, form, implies, never
 from rai_missions.states import Final, Parallel
 from rai_missions.states.effects import Effect, Set
 
@@ -45,9 +47,12 @@ class Jump:
     """The mission ends with it."""
     stays: StateRef | None
     """The innermost state around it that is not left; None for the mission."""
+    leaves: frozenset[StateRef]
     writes: frozenset[str]
     """Keys set on the way."""
     reads: frozenset[str]
+    needs: tuple[StateRef, ...]
+    """States that its guard needs to be active."""
 
 
 class Cycle(NamedTuple):
@@ -90,11 +95,12 @@ def _cycles(index: MissionIndex) -> list[Cycle]:
     cycles: list[Cycle] = []
     index.remembered["cycles"] = cycles
     jumps = [_jump(index, transition) for transition in index.transitions if transition.definition.eventless]
-    loops = {index for index, jump in enumerate(jumps) if not never(jump.form) and _endless((jump,))}
+    left = frozenset[StateRef]().union(*(jump.leaves for jump in jumps))
+    loops = {index for index, jump in enumerate(jumps) if not never(jump.form) and _endless((jump,), left)}
     cycles += [Cycle((jumps[index],), True) for index in sorted(loops)]
     follows = _followers([jump for index, jump in enumerate(jumps) if index not in loops and not never(jump.form)])
     for knot in knots(follows):
-        cycle = _around(follows, knot) if len(knot) > 1 else None
+        cycle = _around(follows, knot, left) if len(knot) > 1 else None
         if cycle is not None:
             cycles.append(cycle)
     return cycles
@@ -108,12 +114,18 @@ def _jump(index: MissionIndex, transition: TransitionRef) -> Jump:
     active = tuple(sorted(entered_with(index, targets, stays), key=lambda spot: spot.index))
     written = _set_by(transition.definition.do)
     moved = [spot for spot in active if spot.inside(stays)] if targets else []
-    left = transition.owner.upward() if transition.owner is not None and targets else ()
+    left = [*transition.owner.upward()] if transition.owner is not None and targets else []
     written.update(*(_set_by(spot.state.entry) for spot in moved), *(_set_by(spot.state.exit) for spot in left))
     reads = frozenset(path.partition(".")[0] for each in guard.walk() for path in each.paths())
     ends = any(spot.parent is None and isinstance(spot.state, Final) for spot in active)
     names = frozenset(spot.name for spot in active)
-    return Jump(transition, guard, form(guard), active, names, ends, stays, frozenset(written), reads)
+    leaves = frozenset(spot for spot in left if spot.inside(stays))
+    conditions = form(guard)
+    named = [
+        each.path for each in conjuncts(conditions) if isinstance(each, Atom) and each.kind == "in" and not each.op
+    ]
+    needs = tuple(index.found(named))
+    return Jump(transition, guard, conditions, active, names, ends, stays, leaves, frozenset(written), reads, needs)
 
 
 def _set_by(effects: Iterable[Effect]) -> set[str]:
@@ -166,10 +178,13 @@ def _followers(jumps: list[Jump]) -> dict[Jump, list[Jump]]:
     return follows
 
 
-def _endless(jumps: tuple[Jump, ...]) -> bool:
-    """Whether nothing on the way round ends it."""
+def _endless(jumps: tuple[Jump, ...], left: frozenset[StateRef]) -> bool:
+    """Whether nothing on the way round ends it; some states can be left without an event."""
     writes = frozenset[str]().union(*(jump.writes for jump in jumps))
     if any(jump.reads & writes for jump in jumps) or never(Junction("all", tuple(jump.form for jump in jumps))):
+        return False
+    needed = {spot.index: spot for jump in jumps for spot in jump.needs}.values()
+    if any(_exclude(*pair) and not left.issuperset(pair) for pair in combinations(needed, 2)):
         return False
     pairs = zip(jumps, (*jumps[1:], jumps[0]), strict=True)
     return all(
@@ -177,18 +192,26 @@ def _endless(jumps: tuple[Jump, ...]) -> bool:
     )
 
 
+def _exclude(one: StateRef, other: StateRef) -> bool:
+    """Whether two states are never active together: neither is inside the other, nor are they in two regions."""
+    if one.inside(other) or other.inside(one):
+        return False
+    around = next((spot for spot in one.upward() if other.inside(spot)), None)
+    return around is None or not isinstance(around.state, Parallel)
+
+
 def _reachable(one: Jump, other: Jump) -> bool:
     """Whether the owner of a transition is active once another was taken."""
     return other.transition.owner is None or other.transition.owner.name in one.names
 
 
-def _around(follows: dict[Jump, list[Jump]], knot: list[Jump]) -> Cycle | None:
+def _around(follows: dict[Jump, list[Jump]], knot: list[Jump], left: frozenset[StateRef]) -> Cycle | None:
     """A way round that nothing ends: a certain one if there is one among those tried."""
     inside = set(knot)
     possible: Cycle | None = None
     for start in knot[:TRIES]:
         way = _shortest(follows, start, inside)
-        if way and _endless(way):
+        if way and _endless(way, left):
             if any(all(implies(jump.form, other.form) for other in way) for jump in way[:TRIES]):
                 return Cycle(way, True)
             possible = possible or Cycle(way, False)

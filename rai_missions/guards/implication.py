@@ -15,7 +15,7 @@ from rai_missions.guards.form import ALWAYS, NEVER, Atom, Form, Junction
 from rai_missions.guards.guard import DEEP, Guard, form_of
 from rai_missions.model import alike
 
-__all__ = ("form", "implies", "never", "roots")
+__all__ = ("conjuncts", "form", "implies", "never", "roots")
 
 LONG = 400
 """Two guards with more parts than this between them are compared for equality only."""
