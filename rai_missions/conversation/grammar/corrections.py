@@ -15,9 +15,14 @@ from rai_missions.conversation.grammar.start_phrases import StartPhrases
 from rai_missions.conversation.language.language import Language
 from rai_missions.conversation.language.question_words import question_text
 from rai_missions.conversation.view import KeyView, StatusView
+from rai_missions.planning.text.numbers import number
 
 __all__ = ("Corrections", "Draft")
 
+HALF = ("half_words", "prepositions", "correcting", "substitutes", "fillers")
+"""The lists of a language whose words are around the values of a half sentence."""
+JOINING = ("half_words", "correcting")
+"""Those with which a half sentence is joined to the order before it."""
 LONGEST = 4
 """Words of the longest text that replaces another one."""
 
@@ -32,6 +37,14 @@ class Draft(NamedTuple):
     """It waits for a yes: a value alone is a correction where it is one of a list."""
 
 
+class NamedPart(NamedTuple):
+    """A value of an argument that a half sentence names."""
+
+    name: str
+    value: Any
+    is_refused: bool = False
+
+
 class Corrections:
     """Reads corrections of one language.
 
@@ -42,6 +55,74 @@ class Corrections:
 
     def __init__(self, language: Language, phrases: StartPhrases) -> None:
         self._language, self._phrases = language, phrases
+        data = language.data
+        whole = [word for name in HALF for each in data[name] for word in each.split()]
+        self._around = language.articles.union(whole)
+        self._joining = frozenset(word for name in JOINING for word in data[name]) - language.articles
+        self._refusing = language.negations.difference(data["correcting"])
+        named = frozenset(word for name in phrases.names for word in name)
+        measured = (word for units in data["unit_words"].values() for unit in units for word in unit.split())
+        numbers = (*data["numbers"], *data["hundred"], data["point"], data["number_joint"])
+        self._half_words = self._around | self._refusing | named | phrases.own_words | {*measured, *numbers}
+
+    def half(self, words: Sequence[str], draft: Draft, view: StatusView) -> Sense | None:
+        """The draft with the values that a half sentence names: `the hot tub as well, but to 37`; None for other talk.
+
+        A half sentence has values of the draft's mission, and nothing else but words without a meaning of their own.
+        A value behind a negation is none of them, where another one of its argument is: `not the student, the guest`.
+        Where nothing is open, a word must join it to the order that was taken: `now the hot tub`.
+        """
+        is_half = all(word in self._half_words or number([word], self._language.data) is not None for word in words)
+        is_open = draft.is_read_back or draft.is_asked_for or not self._joining.isdisjoint(words)
+        orders = draft.sense.orders if is_half and is_open else ()
+        made = [self._half(words, draft._replace(sense=order), view) for order in orders]
+        if sum(each is not None for each in made) != 1:
+            return None
+        both = zip(made, orders, strict=True)
+        return joined([each or order for each, order in both])._replace(is_correction=draft.is_read_back)
+
+    def _half(self, words: Sequence[str], draft: Draft, view: StatusView) -> Sense | None:
+        found = list(self._values_in(words, draft.sense, view)) if draft.sense.name == "start" else []
+        if not found or None in found:
+            return None
+        named = [each for each in found if each is not None]
+        values = {each.name: each.value for each in named if not each.is_refused}
+        refused = {each.name for each in named if each.is_refused}
+        before = draft.sense.arguments
+        is_other = any(before.get(name) != value for name, value in values.items())
+        if len(values) + sum(each.is_refused for each in named) < len(named) or not refused <= values.keys():
+            return None
+        return self._with(draft, values) if is_other else None
+
+    def _values_in(self, words: Sequence[str], sense: Sense, view: StatusView) -> Iterator[NamedPart | None]:
+        """Each value that words name, in its turn, and None for each word that a half sentence has not."""
+        keys, plain = self._keys(sense, view), self._phrases.of_kind(sense.arguments)
+        names = dict.fromkeys((*sense.lacks, *sense.named, *sense.arguments, *sorted(plain.slots)))
+        given = [keys[name] for name in names if name in keys]
+        at, is_refused = 0, False
+        while at < len(words):
+            part, size = self._value_at(words[at:], given, sense)
+            if part is not None:
+                yield part._replace(is_refused=is_refused)
+                is_refused = False
+            elif words[at] in self._refusing:
+                is_refused = True
+            elif words[at] not in self._around and words[at] not in plain.words:
+                yield None
+            at += size or 1
+
+    def _value_at(self, words: Sequence[str], keys: Sequence[KeyView], sense: Sense) -> tuple[NamedPart | None, int]:
+        """The value that words begin with, and how many they are: of the first argument that has it."""
+        for size in range(min(len(words), LONGEST + 1), 0, -1):
+            span = list(words[:size])
+            if span[0] in self._language.articles or self._around.issuperset(span):
+                continue
+            for key in keys:
+                listed = self._phrases.named_values(key.name)
+                before = sense.arguments.get(key.name)
+                if (listed or key.type in ("integer", "number")) and self._fits(span, key, before):
+                    return NamedPart(key.name, self._value(span, key, before)), size
+        return None, 0
 
     def instead(self, words: Sequence[str]) -> Iterator[list[str]]:
         """What is to be in place of what was meant, the shortest first: `the plant` of `no, the plant, I mean`."""
@@ -77,10 +158,10 @@ class Corrections:
         for key in sorted((*named, *closed), key=lambda each: each.type == "string"):  # `seven` is a number first
             is_listed = self._phrases.choices(key.name) or key.type != "string"
             if is_listed and self._fits(bare, key, sense.arguments.get(key.name)):
-                return self._with(draft, key, bare)
+                return self._with(draft, {key.name: self._value(bare, key, sense.arguments.get(key.name))})
         texts = [key for key in named if key.type == "string" and not self._phrases.choices(key.name)]
         if len(texts) == 1 and bare == list(words) and len(bare) <= LONGEST and self._is_text(bare, texts[0], draft):
-            return self._with(draft, texts[0], bare)
+            return self._with(draft, {texts[0].name: self._value(bare, texts[0], sense.arguments.get(texts[0].name))})
         return self._fault(sense, bare, named)
 
     def _is_text(self, words: Sequence[str], key: KeyView, draft: Draft) -> bool:
@@ -118,7 +199,7 @@ class Corrections:
         name, choices = language.name_of(named[0].name), self._phrases.choices(named[0].name)
         values = {word: value for word, value in choices.items() if value != sense.arguments.get(named[0].name)}
         if len(values) == 1 and len(choices) == 2:
-            return self._with(draft, named[0], next(iter(values)).split())
+            return self._with(draft, {named[0].name: next(iter(values.values()))})
         known = language.listed(list(values), "or")
         fault = language.text("correct_from" if known else "correct", name=name, values=known)
         return sense._replace(kind="other", fault=fault, lacks=(named[0].name,))
@@ -148,12 +229,12 @@ class Corrections:
             return False
         return True
 
-    def _with(self, draft: Draft, key: KeyView, words: Sequence[str]) -> Sense:
+    def _with(self, draft: Draft, values: Mapping[str, Any]) -> Sense:
         sense = draft.sense
-        lacks = tuple(name for name in sense.lacks if name != key.name)
-        values = {**sense.arguments, key.name: self._value(words, key, sense.arguments.get(key.name))}
-        named = tuple(dict.fromkeys((*sense.named, key.name)))
-        made = sense._replace(arguments=values, named=named, lacks=lacks, rest="", is_correction=draft.is_read_back)
+        lacks = tuple(name for name in sense.lacks if name not in values)
+        named = tuple(dict.fromkeys((*sense.named, *values)))
+        arguments = {**sense.arguments, **values}
+        made = sense._replace(arguments=arguments, named=named, lacks=lacks, rest="", is_correction=draft.is_read_back)
         return made._replace(kind="fault") if lacks else made._replace(kind="order", fault="")
 
     def _fault(self, sense: Sense, words: Sequence[str], named: Sequence[KeyView]) -> Sense:

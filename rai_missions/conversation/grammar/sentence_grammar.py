@@ -384,6 +384,8 @@ class SentenceGrammar:
         """What it has in place of what was ordered: another order, or the draft's with another value."""
         if self.language.other.fits(words):
             return [self._corrections.other(draft, view) if draft is not None else Sense("other")]
+        if draft is not None and (half := self._corrections.half(words, draft, view)) is not None:
+            return [half]
         completed = self._corrections.completed(words, draft, view) if draft is not None else None
         if completed is not None:
             return [completed]

@@ -29,6 +29,7 @@ VALUE = "…"
 """The plainest sentence of a phrase that needs no word but a value."""
 NOUN = re.compile(r"\b(\w+) \{\1\}")
 """A slot with its name ahead of it, which a pronoun lacks: `aisle {aisle}`."""
+WORD = re.compile(r"[^\W\d_]+")
 DIGITS = re.compile(r"\d+")
 MOST_DESCRIBING = 4
 """Words ahead of a listed value that may describe it."""
@@ -47,10 +48,23 @@ class CompiledPhrase(NamedTuple):
     """As in a language's file; `{key}` is the value of an argument."""
     arguments: Mapping[str, Any]
     """The arguments that it gives without words for them; in a text `{name}` is what the sentence has there."""
+    own: Phrases
+    """The same with the verb of its author alone, and none of its sense."""
+    words: frozenset[str]
+    """Its own words around the values."""
     keys: frozenset[str]
     """Every argument that it gives."""
     is_value: bool
     """Whether a value alone fits it: it is read last, and only with values that there are."""
+
+
+class OrderKind(NamedTuple):
+    """What the phrases of one kind of order have."""
+
+    slots: frozenset[str]
+    """The arguments that they give."""
+    words: frozenset[str]
+    """Their words around these."""
 
 
 def arguments_of(slots: frozenset[str], given: Mapping[str, Any]) -> frozenset[str]:
@@ -87,11 +101,16 @@ class StartPhrases:
         joints = frozenset([*data["order_joints"], language.text("or")])
         self._undecided = spatial | joints | frozenset(data["no_thing"]["any"])
         self._joints = frozenset([*data["clause_joints"], *data["lead"]])
-        self._ways = {name: tuple(language.ways_of(name)) for choices in names.values() for name in choices}
+        self._ways = {
+            argument: {way: value for name, value in choices.items() for way in language.ways_of(name)}
+            for argument, choices in names.items()
+        }
         self.names = frozenset(way for ways in self._ways.values() for way in ways)
         """The words of each listed value, in each way in which it is called."""
         self._each = [self._compiled(phrase, arguments) for phrase, arguments in given.items()]
         own = [each for each in self._each if not each.is_value]
+        self.own_words = frozenset().union(*(each.words for each in own))
+        """The words around the values, as the author of the profile has them."""
         self._openings = AnyPhrase(pattern for each in own for pattern in (each.phrases.pattern, each.listed.pattern))
         self.words = frozenset().union(*self.names, *(each.phrases.words for each in self._each))
 
@@ -103,7 +122,8 @@ class StartPhrases:
         each = [NOUN.sub(r"[\1] {\1}", one) for one in (phrase, *two)]
         listed = self._language.order_phrases(each, slots)
         keys, is_value = arguments_of(phrases.slots, arguments), example_of(phrase) == VALUE
-        return CompiledPhrase(phrases, listed, phrase, arguments, keys, is_value)
+        own, words = self._language.own_phrases([phrase]), frozenset(WORD.findall(SLOT.sub(" ", phrase)))
+        return CompiledPhrase(phrases, listed, phrase, arguments, own, words, keys, is_value)
 
     def _listed(self, receivers: Collection[str]) -> Mapping[str, str]:
         """The regular expressions of the values that an argument lists, and of one who receives what has an article.
@@ -136,6 +156,16 @@ class StartPhrases:
         for each in self._each:
             if not each.is_value and each.keys <= names:
                 yield self._language.order_examples(each.phrase), each.arguments
+
+    def of_kind(self, given: Mapping[str, Any]) -> OrderKind:
+        """What the phrases with the same arguments of their own have, `watch {zone} for {watch_min} minutes`.
+
+        Args:
+            given: The arguments of a start.
+        """
+        each = [one for one in self._each if not one.is_value and one.arguments.items() <= given.items()]
+        words = frozenset().union(*(one.words for one in each))
+        return OrderKind(frozenset().union(*(one.keys for one in each)), words)
 
     def begin(self, words: Sequence[str]) -> bool:
         """Whether the words begin with one of the phrases, but for those that a value alone fits."""
@@ -176,11 +206,30 @@ class StartPhrases:
                 for slots in (*each.listed.match(words), *each.phrases.match(words))
                 if all(self.may_be_thing(slots[name].split()) for name in slots.keys() & texts)
             ]
-            most = max((len(slots) or math.inf for slots, _ in fitting), default=0)
-            closest = [(slots, each) for slots, each in fitting if (len(slots) or math.inf) == most]
-            starts = [(self._start(mission, slots, each, before), slots.keys() - texts) for slots, each in closest]
-            if starts:  # of several, one whose values fit, in their own slots, and which has most of a list or a number
-                yield max(starts, key=lambda one: (one[0].kind == "order", len(one[1].intersection(one[0].named))))[0]
+            starts = [(self._start(mission, slots, each, before), slots, each) for slots, each in fitting]
+            closed = [one for one in starts if one[0].kind == "order" and texts.isdisjoint(one[1])]
+            if starts:  # those that have a value for every word come first
+                yield self._closest(closed or starts, words, texts)
+
+    def _closest(
+        self,
+        starts: Sequence[tuple[Sense, Mapping[str, str], CompiledPhrase]],
+        words: Sequence[str],
+        texts: Collection[str],
+    ) -> Sense:
+        """Of starts by several phrases, one without values, else of those with most the one that fits best.
+
+        Its values fit, in their own slots; it has most of a list or a number, and the verb of its own phrase.
+        """
+        most = max(len(slots) or math.inf for _, slots, _ in starts)
+        return max(
+            (one for one in starts if (len(one[1]) or math.inf) == most),
+            key=lambda one: (
+                one[0].kind == "order",
+                len((one[1].keys() - texts).intersection(one[0].named)),
+                one[2].own.fits(words),
+            ),
+        )[0]
 
     def _texts(self, keys: Mapping[str, KeyView]) -> frozenset[str]:
         """The arguments that take any words."""
@@ -280,7 +329,7 @@ class StartPhrases:
 
     def named_values(self, argument: str) -> Mapping[tuple[str, ...], Any]:
         """The words for each value of an argument that has no other values, in each way in which it is called."""
-        return {way: value for name, value in self.choices(argument).items() for way in self._ways[name]}
+        return self._ways.get(argument, {})
 
     def _meant(self, words: Sequence[str], key: KeyView) -> list[Any]:
         """The values of an argument that are called so, or but for a letter; `livingroom` is one of two words.
