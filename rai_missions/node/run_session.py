@@ -21,7 +21,7 @@ from rai_missions.node.order import ClientOrder, OrderReply, ReplyCallback, last
 from rai_missions.node.status_message import OpenQuestion
 from rai_missions.profile import Robot, commanded_names
 from rai_missions.redaction import Redaction, cut, logger
-from rai_missions.runtime.lifecycle import Status
+from rai_missions.runtime.lifecycle import Status, status_of
 from rai_missions.runtime.readings import SourceState
 from rai_missions.runtime.requests import OVER, RunRequests, refusal_text
 from rai_missions.runtime.result import Result
@@ -65,8 +65,8 @@ class RunSession:
 
     def __init__(self, runner: Runner, robot: Robot | None) -> None:
         self.runner, self._robot = runner, robot
-        self.status: Status | None = None
-        """The run's latest."""
+        self.status: Status | None = status_of(runner.view) if runner.view.seq else None
+        """The run's latest; None before its first step."""
         self.result: Result | None = None
         self.error = ""
         """Why it broke off, if it did."""
@@ -87,8 +87,7 @@ class RunSession:
         """The run's mode; one that broke off has failed."""
         if self.is_over:
             return self.result.outcome if self.result is not None else "failed"
-        view = self.runner.view  # of a run that is resumed, whose status is known only then
-        return self.status.mode if self.status is not None else view.outcome or view.mode
+        return self.status.mode if self.status is not None else self.runner.view.mode
 
     @property
     def is_here(self) -> bool:

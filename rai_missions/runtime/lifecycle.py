@@ -15,13 +15,14 @@ from transitions import Machine, MachineError
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.goal_ledger import OpenGoal
+from rai_missions.engine.chart_view import ChartView
 from rai_missions.engine.modes import ALIVE, MODE_TABLE, MODES, Mode, next_mode
 from rai_missions.engine.step import Step
 from rai_missions.errors import UsageError
 from rai_missions.event import Origin
 from rai_missions.states.control import HOLDERS, Holder
 
-__all__ = ("Control", "Lifecycle", "Status")
+__all__ = ("Control", "Lifecycle", "Status", "status_of")
 
 
 CONTROL_TRANSITIONS: list[dict[str, Any]] = [
@@ -51,6 +52,23 @@ class Status(NamedTuple):
     """Who holds the mission up: the `operator`, who has taken control, or `nobody`; empty while it is not held."""
     held_since: float | None = None
     """Since when, in seconds on the run's clock; None while it is not held."""
+
+
+def status_of(run: ChartView, revision: int = 0) -> Status:
+    """How things are with a run."""
+    waits = _waits(run.waiting, run.holder, run.held_by) if run.mode in ALIVE else ""
+    return Status(
+        revision,
+        run.mode,
+        run.holder,
+        run.active_in_order,
+        run.outcome,
+        run.why,
+        waits,
+        run.loose_goals,
+        run.held_by,
+        run.held_since,
+    )
 
 
 @cache
@@ -222,29 +240,13 @@ class Lifecycle:
         if mode != self.mode:
             self._go(step, mode)
         self.control.follow(holder, taken=chart.taken)
-        last, why = self._last, step.why if step.outcome else ""
-        of_chart = chart.active, chart.waiting, chart.loose_goals, chart.held_since
-        made_of = (mode, holder, held_by, step.outcome, why, *of_chart)
+        of_chart = chart.active, chart.outcome, chart.why, chart.waiting, chart.loose_goals, chart.held_since
+        made_of = (mode, holder, held_by, *of_chart)
         if made_of == self._made_of:
             return None
         self._made_of = made_of
-        outcome: str | None = step.outcome
-        if last is not None and last.outcome:  # it has ended: what comes too late has a reason of its own
-            outcome, why = last.outcome, last.why
-        waits = _waits(chart.waiting, holder, held_by) if mode in ALIVE else ""
-        status = Status(
-            self.revision,
-            mode,
-            holder,
-            chart.active_in_order,
-            outcome,
-            why,
-            waits,
-            chart.loose_goals,
-            held_by,
-            chart.held_since,
-        )
-        if status == last:
+        status = status_of(chart, self.revision)
+        if status == self._last:
             return None
         self.revision += 1
         self._last = status._replace(revision=self.revision)

@@ -81,6 +81,15 @@ def test_a_run_that_continues_shows_what_was_asked_before_with_the_time_left() -
     assert resumed.questions()[0].left_s == 590.0
 
 
+def test_a_run_that_continues_shows_from_the_first_where_it_is_and_who_has_control() -> None:
+    before = AskingRun()
+    before.send("ask")
+    before.session.step(before.chart.send(Event("operator", 5.0, {"role": "operator"}, "control")))
+    status = RunSession(before.runner, None).status
+    assert status is not None
+    assert (status.mode, status.control, status.active) == ("running", "operator", before.chart.active_in_order)
+
+
 @pytest.mark.parametrize("reported", [{"id": 1}, [1], None, 7, "another"])
 def test_what_a_robot_calls_a_request_is_none_of_the_orders(reported: Any) -> None:
     """An order waits; a robot's event comes first, in which something has the name of what distinguishes orders."""

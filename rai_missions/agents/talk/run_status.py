@@ -18,7 +18,7 @@ from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Step
 from rai_missions.keys import Blackboard, Key, stale_at
 from rai_missions.mission.mission import Mission
-from rai_missions.runtime.lifecycle import Status
+from rai_missions.runtime.lifecycle import Status, status_of
 from rai_missions.runtime.runner import Runner
 from rai_missions.states import State
 from rai_missions.states.final import Final
@@ -76,17 +76,7 @@ class RunStatus:
         self._events = {name: event.about for name, event in self._mission.events.items()}
         self._missions = (mission_view(self._mission),)
         run = runner.view
-        self._status = Status(
-            0,
-            run.mode,
-            run.holder,
-            tuple(name for name in self._states if name in run.active),
-            run.outcome,
-            run.why,
-            open_goals=run.loose_goals,
-            held_by=run.held_by,
-            held_since=run.held_since,
-        )
+        self._status = status_of(run)
         """A run reports its status ahead of the step that made it so; they are seen together."""
         self._reported = ReportedRun(
             self._status,
