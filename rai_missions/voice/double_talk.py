@@ -37,9 +37,10 @@ class DoubleTalk:
 
     def __init__(self) -> None:
         self._np = numpy()
-        self._starts = [each * FRAME_SAMPLES // RATE_HZ for each in EDGES_HZ]
-        silence = [self._energies(bytes(FRAME_BYTES))] * KNOWN_FRAMES
-        self._recorded, self._filtered, self._played = (deque(silence, KNOWN_FRAMES) for _ in range(3))
+        self._bands = [BandEnergies() for _ in range(3)]
+        self._recorded, self._filtered, self._played = (
+            deque([each.take(bytes(FRAME_BYTES))] * KNOWN_FRAMES, KNOWN_FRAMES) for each in self._bands
+        )
         self._shares, self._filtered_shares = (deque[Any](maxlen=MEMORY_FRAMES) for _ in range(2))
         self._held = 0
 
@@ -52,9 +53,10 @@ class DoubleTalk:
             played: What was played meanwhile.
         """
         np = self._np
-        self._recorded.append(self._energies(recorded))
-        self._filtered.append(self._energies(filtered))
-        self._played.append(self._energies(played))
+        for found, bands, sound in zip(
+            (self._recorded, self._filtered, self._played), self._bands, (recorded, filtered, played), strict=True
+        ):
+            found.append(bands.take(sound))
         self._shares.append(self._most_share(self._recorded))
         self._filtered_shares.append(self._most_share(self._filtered))
         loudest = np.max(list(self._played)[-ECHO_FRAMES:], axis=0)
@@ -72,8 +74,25 @@ class DoubleTalk:
         played = np.sum(list(self._played)[:PLAYED_FRAMES], axis=0)
         return np.where(played > LEAST * PLAYED_FRAMES, np.sum(found, axis=0) / played, np.inf)
 
-    def _energies(self, samples: bytes) -> Any:
-        """The mean energy of a frame's samples, in each band; never 0."""
+
+class BandEnergies:
+    """The energies of a stream's bands, over each frame and the one before it.
+
+    They overlap, with the window of a sine, so that each sample counts as much. At the edge of a window that is not
+    smooth a low vowel has the energies of all bands, at other edges in what is played than in its echo.
+    """
+
+    def __init__(self) -> None:
+        self._np = np = numpy()
+        count = 2 * FRAME_SAMPLES
+        self._starts = [each * count // RATE_HZ for each in EDGES_HZ]
+        self._window = np.sin(np.pi * (np.arange(count) + 0.5) / count)
+        self._last = np.zeros(FRAME_SAMPLES)
+
+    def take(self, samples: bytes) -> Any:
+        """The mean energy of the samples in each band, of the next frame; never 0."""
         np = self._np
-        spectrum = np.fft.rfft(np.frombuffer(samples, "<i2"))
-        return 1.0 + 2 * np.add.reduceat(np.abs(spectrum) ** 2, self._starts) / FRAME_SAMPLES**2
+        now = np.frombuffer(samples, "<i2")
+        spectrum = np.fft.rfft(self._window * np.concatenate([self._last, now]))
+        self._last = now
+        return 1.0 + np.add.reduceat(np.abs(spectrum) ** 2, self._starts) / FRAME_SAMPLES**2

@@ -10,6 +10,8 @@ the partitioned-block-based acoustic echo controller", ICASSP 2014.
 
 from __future__ import annotations
 
+from typing import Any
+
 from rai_missions.connectors.sound.connector import FRAME_SAMPLES
 from rai_missions.connectors.sound.wav import numpy
 from rai_missions.voice.echo_match import EchoMatch
@@ -61,15 +63,16 @@ class EchoFilter:
         rest = np.frombuffer(recorded, "<i2") - echo
         before = np.zeros(FRAME_SAMPLES)
         left = np.fft.rfft(np.concatenate([before, rest]))
-        self._learn(left)
-        self.match.take(np.fft.rfft(np.concatenate([before, echo])), left)
+        power = np.abs(self._played) ** 2
+        doubt = 0.5 * (power * self._doubt).sum(axis=0)
+        self._learn(left, power, doubt)
+        self.match.take(np.fft.rfft(np.concatenate([before, echo])), left, doubt)
         return bytes(np.clip(np.rint(rest), -32768, 32767).astype("<i2").tobytes())
 
-    def _learn(self, rest: object) -> None:
-        """Change the filter by what is left of a frame, and how sure it is."""
+    def _learn(self, rest: Any, power: Any, doubt: Any) -> None:
+        """Change the filter by what is left of a frame, and how sure it is; `doubt` is the variance of its echo."""
         np = self._np
-        power, left = np.abs(self._played) ** 2, np.abs(rest) ** 2
-        doubt = 0.5 * (power * self._doubt).sum(axis=0)
+        left = np.abs(rest) ** 2
         other = np.maximum(left - doubt, LEAST_NOISE_SHARE * left)
         self._noise = NOISE_MEMORY * self._noise + (1 - NOISE_MEMORY) * other
         step = self._doubt / (2 * (doubt + self._noise) + LEAST_POWER)

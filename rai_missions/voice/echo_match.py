@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whether the echo that a filter predicts is the one that returns: a room that was known may have changed.
 
-Rule: a person's speech has nothing in common with what is predicted, so by itself it makes no prediction wrong.
+Rule: a person's speech has nothing in common with what is predicted, so by itself it makes no prediction wrong. Nor
+does a filter's own error, which is the whole prediction where the first echo of a report has not come yet.
 """
 
 from __future__ import annotations
@@ -38,13 +39,14 @@ class EchoMatch:
     def __init__(self) -> None:
         self._np = np = numpy()
         self._common, self._predicted, self._left = (np.zeros(FRAME_SAMPLES + 1) for _ in range(3))
+        self._doubt = 0.0
         self._known = self._wrong = 0
         self._share, self._is_sure = 0.0, False
 
     @property
     def is_wrong(self) -> bool:
-        """Whether the prediction is wrong now, also because the room is not known yet."""
-        return self._is_sure and abs(self._share) > WRONG
+        """Whether the prediction is wrong now, also because the room is not known yet; its own error is none."""
+        return self._is_sure and abs(self._share) > WRONG and float(self._np.sum(self._predicted)) > self._doubt
 
     @property
     def is_changed(self) -> bool:
@@ -56,17 +58,19 @@ class EchoMatch:
         """Whether the prediction was right for long enough."""
         return self._known >= KNOWN_FRAMES
 
-    def take(self, echo: Any, rest: Any) -> None:
+    def take(self, echo: Any, rest: Any, doubt: Any) -> None:
         """The next frame.
 
         Args:
             echo: The spectrum of what was predicted.
             rest: That of what was recorded without it.
+            doubt: The variance of the prediction, by the filter's own account.
         """
         np, new = self._np, 1.0 / FRAME_SAMPLES
         self._common = MEMORY * self._common + new * (rest * np.conj(echo)).real
         self._predicted = MEMORY * self._predicted + new * np.abs(echo) ** 2
         self._left = MEMORY * self._left + new * np.abs(rest) ** 2
+        self._doubt = MEMORY * self._doubt + new * float(np.sum(doubt))
         weight = 1.0 / (self._left + LEAST_LEFT / (1.0 - MEMORY))
         size = float(np.sum(weight * self._predicted))
         self._share = float(np.sum(weight * self._common)) / max(size, 1e-9)

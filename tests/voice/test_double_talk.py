@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from functools import partial
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.connectors.sound.connector import FRAME_BYTES, RATE_HZ, SILENCE, SoundFrame
@@ -20,9 +21,9 @@ np = pytest.importorskip("numpy")
 
 FRAME = FRAME_BYTES // 2
 REPORT_FRAMES, PERSON_AT, PERSON_FRAMES = 100, 50, 10
-ROOMS, QUIET_ROOMS = (
+ROOMS, USUAL_ROOMS, QUIET_ROOMS = (
     st.tuples(st.integers(0, 9999), st.floats(-50.0, most), st.floats(0.0, 450.0), st.integers(0, 20))
-    for most in (0.0, -20.0)
+    for most in (0.0, -6.0, -20.0)
 )
 """Seed, level of the echo in dB, its delay in ms, how many reflections."""
 
@@ -40,11 +41,13 @@ def syllables(random: np.random.Generator, frames: int) -> bytes:
     return bytes(np.concatenate(found)[: frames * FRAME].clip(-32768, 32767).astype("<i2").tobytes())
 
 
-def frames_of(room: tuple[int, float, float, int], person: bytes = b"") -> list[SoundFrame]:
+def frames_of(
+    room: tuple[int, float, float, int], person: bytes = b"", *, report: bytes | None = None
+) -> list[SoundFrame]:
     """A report in a room, with a person in it."""
     seed, echo_db, delay_ms, reflections = room
     random, tail = np.random.default_rng(seed), np.zeros(800)
-    ours = syllables(random, REPORT_FRAMES)
+    ours = syllables(random, REPORT_FRAMES) if report is None else report
     places = random.integers(1, 800, reflections)
     tail[places] = random.normal(size=reflections) * np.exp(-places / 400) * 0.3
     sound = RoomSound(
@@ -72,6 +75,18 @@ def found_in(frames: list[SoundFrame]) -> list[int]:
 @given(ROOMS)
 def test_our_own_echo_is_no_person_in_any_room(room: tuple[int, float, float, int]) -> None:
     assert found_in(frames_of(room)) == []
+
+
+@settings(max_examples=25)
+@given(USUAL_ROOMS, st.integers(2, 20))
+def test_the_echo_of_a_low_tone_is_no_person_whenever_it_returns(
+    room: tuple[int, float, float, int], eighths: int
+) -> None:
+    random, at = np.random.default_rng(room[0]), np.arange(20 * FRAME) / RATE_HZ
+    tone = 9000 * np.sin(2 * np.pi * 125.0 * at) * np.minimum(1, at * 1000 / eighths)
+    noise = random.normal(size=40 * FRAME) * 3000
+    report = np.concatenate([noise, np.zeros(30 * FRAME), tone, np.zeros(20 * FRAME)])
+    assert found_in(frames_of(room, report=bytes(report.clip(-32768, 32767).astype("<i2").tobytes()))) == []
 
 
 @settings(max_examples=25)
@@ -132,6 +147,20 @@ def test_another_room_is_noticed_once_and_learned_again(other: tuple[int, float,
             echo_filter.forget()
     assert len(changed) == 1
     assert 0 <= changed[0] < 25
+
+
+@settings(max_examples=8)
+@given(st.integers(0, 9999), st.floats(-20.0, 0.0), st.floats(0.0, 450.0))
+@example(3, -12.0, 200.0)
+@example(3, -6.0, 400.0)
+def test_a_room_that_is_known_is_no_other_one_before_the_echo_of_a_report(
+    seed: int, echo_db: float, delay_ms: float
+) -> None:
+    echo_filter, quiet = EchoFilter(), bytes((REPORT_FRAMES + 20) * FRAME_BYTES)
+    reports = [frames_of((each, echo_db, delay_ms, 0), quiet) for each in (seed, seed + 1000)]
+    for number, each in enumerate(itertools.chain(*reports)):
+        echo_filter.take(each.recorded, each.played)
+        assert not echo_filter.match.is_changed, number
 
 
 @settings(max_examples=8)
