@@ -28,6 +28,7 @@ from rai_missions.profile import Robot, dump_profile
 from rai_missions.redaction import Redaction, logger
 from rai_missions.runtime.arguments import accepted
 from rai_missions.runtime.clock import Clock
+from rai_missions.runtime.recovery import ResyncWindow
 from rai_missions.runtime.run_options import NewRun, RunObserver
 from rai_missions.runtime.runner import Runner
 from rai_missions.worlds.world import World
@@ -83,7 +84,9 @@ class PreparedRun:
             return ""
         chart, cut = self.plan.resumed.resumption.chart, self.plan.resumed.record.cut
         where = ", ".join(sorted(chart.active)) or "before its start"
-        notice = f"the run continues at {chart.at:.2f} s in: {where}"
+        notice, window = f"the run continues at {chart.at:.2f} s in: {where}", ResyncWindow(chart, chart.at)
+        if window.missing:
+            notice += f"; it waits for the robot, {window.until - chart.at:g} s at most: {', '.join(window.missing)}"
         if chart.mode == "paused":
             notice += "; it is paused: resume it by talk (--talk), on the page (--watch) or through its node (--node)"
         if self.world is not None:

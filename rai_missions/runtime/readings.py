@@ -34,6 +34,8 @@ class SourceState(NamedTuple):
     """How old its last usable reading was at its receipt, seconds."""
     misread: str = ""
     """What could not be understood in its last reading, with the value; empty where it was understood."""
+    name: str = ""
+    """The topic or service that it is; empty where that is not known."""
 
 
 class Readings:
@@ -96,10 +98,11 @@ def refused(missed: Mapping[str, SourceState], keys: Mapping[str, Key], ready_s:
         keys: The mission's.
         ready_s: How long it has waited.
     """
-    silent = [name for name, state in missed.items() if not state.received]
-    sentences = (
-        [f"the robot has not reported within {ready_s:g} s: {', '.join(silent)}; is it running?"] if silent else []
+    silent = {name: state.name for name, state in missed.items() if not state.received}
+    named = ", ".join(
+        name if source.rpartition("/")[2] in ("", name) else f"{name} ({source})" for name, source in silent.items()
     )
+    sentences = [f"the robot has not reported within {ready_s:g} s: {named}; is it running?"] if silent else []
     if any(name in keys for name in silent):
         sentences.append('A key that the start need not wait for is "optional".')
     for name, state in missed.items():

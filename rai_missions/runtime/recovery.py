@@ -57,6 +57,11 @@ class ResyncWindow:
         """Whatever else has happened meanwhile, in the order of its arrival."""
 
     @property
+    def missing(self) -> tuple[str, ...]:
+        """The keys that it waits for."""
+        return tuple(self._missing)
+
+    @property
     def until(self) -> float:
         """When it has waited long enough: a key that need not be there is missed for as long as it would last."""
         if any(not self._keys[name].optional for name in self._missing):

@@ -66,8 +66,9 @@ class RobotListener:
 
     def source(self, key: str) -> SourceState:
         """What is known of the source of a robot key."""
-        readings = self._readings.get(key)
-        return readings.state if readings is not None else SourceState()
+        readings, source = self._readings.get(key), self._robot.blackboard.get(key)
+        state = readings.state if readings is not None else SourceState()
+        return state._replace(name=source.topic or source.service or "") if source is not None else state
 
     def open(self) -> None:
         """Subscribe to topics and begin to ask services."""

@@ -16,9 +16,10 @@ from rai_missions.agents.conversation import ConversationalAgent
 from rai_missions.agents.mission import MissionAgent, RunConfig, prepare, prepare_next, run
 from rai_missions.agents.runner import AgentRunner
 from rai_missions.agents.talk.doors import TextDoor
+from rai_missions.engine import Chart
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.event import Event
-from rai_missions.journal import read, verify
+from rai_missions.journal import Journal, read, verify
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
 from rai_missions.runtime.clock import WallClock
@@ -329,3 +330,19 @@ def test_a_run_that_continues_without_its_robots_identity_reports_it(tmp_path: P
         with prepare(RunConfig(None, given, resume=path, model=ScriptedModel([]))) as again:
             assert (again.plan.identity is not None) is is_there
             assert ("the model lacks the robot's identity" in again.resumption_notice) is not is_there
+
+
+def test_a_run_that_continues_names_what_it_waits_for(tmp_path: Path) -> None:
+    source, path = {"topic": "/battery", "type": "std_msgs/msg/Float32"}, tmp_path / "run.journal"
+    battery = {"type": "number", "source": "robot", "max_age_s": 2}
+    end = {"final": "aborted", "requires": {"key": "battery", ">": 0.9}, "settle_s": 60}
+    given = {"name": "waits", "initial": "end", "states": {"end": end}, "blackboard": {"battery": battery}}
+    profile = Robot.model_validate({"name": "tried", "blackboard": {"battery": source}})
+    with prepare(RunConfig(Mission.model_validate(given), profile, journal=path)) as killed:
+        chart = Chart(killed.mission)
+        assert isinstance(killed.journal, Journal)
+        for step in (chart.write("battery", 0.5, at=1.0), chart.start(1.0)):
+            killed.journal.write(step, since=1.0)
+    with prepare(RunConfig(None, resume=path)) as again:
+        notice = "the run continues at 1.00 s in: end; it waits for the robot, 10 s at most: battery"
+        assert again.resumption_notice == notice

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rai_missions.errors import UsageError
-from rai_missions.runtime.readings import Readings, offset_words
+from rai_missions.runtime.readings import Readings, SourceState, offset_words, refused
 from tests.rigs.runs import KEYS, Rig, mission
 
 NEEDED = {**KEYS, "battery": {**KEYS["battery"], "optional": False}}
@@ -112,6 +112,12 @@ def test_a_key_of_which_nothing_came_is_first_among_the_reasons() -> None:
         'A key that the start need not wait for is "optional". '
         "battery was received and not understood: percentage is inf."
     )
+
+
+def test_a_source_is_named_where_its_name_is_not_that_of_its_key() -> None:
+    silent = {"there": SourceState(name="/base/there"), "battery": SourceState(name="/batery"), "pose": SourceState()}
+    sentence = refused(silent, {}, 10.0)
+    assert sentence == ("the robot has not reported within 10 s: there, battery (/batery), pose; is it running?")
 
 
 @pytest.mark.parametrize(("offset_s", "words"), [(0.3, "0.3 s behind"), (-0.3, "0.3 s ahead"), (2.5, "2.5 s behind")])
