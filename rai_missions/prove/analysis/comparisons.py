@@ -6,7 +6,8 @@ Rule: where a few values cannot represent all, `sampled` names the path, and not
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+import math
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cached_property
 from itertools import permutations
 from typing import Any
@@ -19,6 +20,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.model.references import reference_word
 from rai_missions.prove.analysis.parts import guards_in, parts, writes_in
 from rai_missions.prove.analysis.places import AXES, Places, are_apart
+from rai_missions.prove.analysis.spots import NumberRange
 from rai_missions.states.action import GoalFields
 from rai_missions.states.call import CallFields
 from rai_missions.states.compound import Each
@@ -30,6 +32,8 @@ __all__ = ("Comparisons",)
 NUMBERS = ("number", "integer")
 LITERAL = frozenset({*NUMBERS, "string", "boolean", "list"})
 """The types of which guards compare values with literals."""
+FEW = 20
+"""An argument of so many whole numbers is tried with each, where something is counted up to it."""
 UNORDERED = OPERATORS.keys() - ORDERED
 MIRRORED = {"==": "==", "!=": "!=", "<": ">", "<=": ">=", ">": "<", ">=": "<="}
 """Operator → the one that is true with its sides exchanged."""
@@ -274,6 +278,12 @@ class Comparisons:
         """How many of those that move are compared with each other; one where none is."""
         return len({each for one, _, other in self._met_moving(kin) for each in (one, other)}) or 1
 
+    def range_of(self, kin: Iterable[str]) -> NumberRange:
+        """In which all of these keys may lie."""
+        keys = [key for path in kin if (key := self.keys.get(path)) is not None]
+        low = max((each.minimum for each in keys if each.minimum is not None), default=-math.inf)
+        return NumberRange(low, min((each.maximum for each in keys if each.maximum is not None), default=math.inf))
+
     def is_matched(self, kin: Collection[str]) -> bool:
         """Whether these numbers are compared to be equal or not alone: their order makes no difference."""
         ops = {op for path in kin for op, _ in self.atoms.get(path, ())}
@@ -347,8 +357,24 @@ class Comparisons:
         """Numbers that are compared with a key that is counted or copied, and poses with several distances."""
         for path in {each for one, _, other in self.met for each in (one, other)}:
             kin = self.kin_of(path)
-            if kin & (self.steps.keys() | self._copied) and self.kind_of(path) not in ("boolean", "string"):
+            is_reckoned = kin & (self.steps.keys() | self._copied) and self.kind_of(path) not in ("boolean", "string")
+            if is_reckoned and not self.is_counted(kin):
                 yield path
+
+    def is_counted(self, kin: Collection[str]) -> bool:
+        """Whether they are whole numbers that are counted, and arguments of so few numbers that each is tried."""
+        given = {each for each in kin if self._source(each) == "argument"}
+        counted = set(kin) - given - self._written
+        kinds = {self.keys[each].type if each in self.keys else "" for each in kin}
+        steps = [step for each in counted for step in self.steps.get(each, (math.inf,))]
+        return (
+            bool(counted)
+            and kinds == {"integer"}
+            and all(step.is_integer() for step in map(float, steps))
+            and counted.isdisjoint(self._copied | self._brought)
+            and all(0 < len(self.range_of([each]).every) <= FEW for each in given)
+            and not self._met_moving(kin)
+        )
 
     def _far(self) -> Iterator[str]:
         for kin in {frozenset(self.kin_of(path)) for path in self.near}:

@@ -10,7 +10,7 @@ import math
 from bisect import bisect_left
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property, partial
-from itertools import islice, pairwise, product
+from itertools import chain, islice, pairwise, product
 from typing import Any
 
 from rai_missions.engine.robot_facts import RobotFacts
@@ -25,7 +25,7 @@ from rai_missions.planning.examples import GOALS
 from rai_missions.prove.analysis.comparisons import NUMBERS, Comparisons
 from rai_missions.prove.analysis.goals import NO_GOAL, first_of_each, requests, sights
 from rai_missions.prove.analysis.parts import parts
-from rai_missions.prove.analysis.spots import NumberRange, Spots
+from rai_missions.prove.analysis.spots import Spots
 from rai_missions.states.effects import Raise, references
 
 __all__ = ("SCALARS", "Values")
@@ -127,7 +127,8 @@ class Values:
             high = [_past(op, each, 1) for op, each in learned.constants(key) if isinstance(each, int | float)]
             low = [_past(op, each, -1) for op, each in learned.constants(key) if isinstance(each, int | float)]
             if linked:
-                tried = {*SAMPLES, *_next_to([each for each in learned.operands(key) if isinstance(each, int | float)])}
+                known = [each for each in learned.operands(key) if isinstance(each, int | float)]
+                tried = {*SAMPLES, *_next_to([*known, *self._bounds(learned.kin_of(key))])}
                 high, low = [*high, max(tried) + 1], [*low, min(tried) - 1]
             if high and min(steps) > 0:
                 found[key] = (-math.inf, max(high))
@@ -287,15 +288,9 @@ class Values:
             known += [f"{OTHER} {number}" if number else OTHER for number in range(others)]
             yield from known if others > 1 or learned.is_sampled(path) else self._apart(path, known)
 
-    def _range(self, kin: Iterable[str]) -> NumberRange:
-        """In which all of these keys may lie."""
-        keys = [key for path in kin if (key := self._keys.get(path)) is not None]
-        low = max((each.minimum for each in keys if each.minimum is not None), default=-math.inf)
-        return NumberRange(low, min((each.maximum for each in keys if each.maximum is not None), default=math.inf))
-
     def _bounds(self, kin: Iterable[str]) -> list[float]:
         """Where the ranges of these keys end."""
-        ranges = [self._range([path]) for path in sorted(kin)]
+        ranges = [self.learned.range_of([path]) for path in sorted(kin)]
         return [each for ends in ranges for each in ends if math.isfinite(each)]
 
     def _listed(self, kin: Collection[str], known: Collection[str]) -> list[str]:
@@ -337,13 +332,15 @@ class Values:
     def _lies(self, kin: set[str], operands: Collection[float], *, stays: bool) -> Iterable[float]:
         """The numbers of those that stay or move; the ends of ranges count where there is no room within them."""
         staying, moving = len(self.learned.staying(kin)), self.learned.moving_apart(kin)
-        within, is_whole = self._range(kin), self._is_whole(kin)
+        within, is_whole = self.learned.range_of(kin), self._is_whole(kin)
         if self.learned.is_matched(kin) and (free := within.wholes(len(kin) + len(operands))):
             others = [each for each in free if each not in operands]
             return [*sorted(operands), *others[: staying if stays else len(kin)]]
-        if not operands and (free := within.wholes((moving + 1) * (staying - 1) + 1)):
+        is_counted = self.learned.is_counted(kin)
+        if not operands and not is_counted and (free := within.wholes((moving + 1) * (staying - 1) + 1)):
             return Spots((), staying, moving, is_whole, first=free[0] - moving).of(stays=stays)
-        return Spots({*operands, *self._bounds(kin)}, staying, moving, is_whole).of(stays=stays)
+        ends = [self.learned.range_of([each]).every for each in kin] if is_counted else [self._bounds(kin)]
+        return Spots({*operands, *chain(*ends)}, staying, moving, is_whole).of(stays=stays)
 
     def _is_whole(self, kin: Iterable[str]) -> bool:
         """Some of these take whole numbers only."""

@@ -20,6 +20,12 @@ class NumberRange(NamedTuple):
     low: float
     high: float
 
+    @property
+    def every(self) -> range:
+        """All whole numbers that lie there; none where it has no two ends."""
+        is_closed = math.isfinite(self.low) and math.isfinite(self.high)
+        return range(math.ceil(self.low), math.floor(self.high) + 1) if is_closed else range(0)
+
     def wholes(self, many: int) -> range:
         """So many successive whole numbers that lie there; none where there are fewer."""
         first = math.ceil(self.low) if self.low > -math.inf else math.floor(min(self.high - many + 1, 0))
