@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import sys
 import threading
+from collections import Counter
 
 from rai_missions.cli.speech_faults import SpeechFaults
 from rai_missions.connectors.sound.connector import FRAME_BYTES, FRAME_S, SoundConnector
@@ -50,12 +51,13 @@ def play_sound(sound: bytes, device: str | None) -> int:
 def listen_to(file: str | None, device: str | None, names: ListenNames, *, as_json: bool) -> int:
     """Print each transcript; returns an exit status."""
     sound: SoundConnector = FileSound(file) if file is not None else DeviceSound(device)
-    count, faults = [0], SpeechFaults("listen")
+    count, faults = Counter[str](), SpeechFaults("listen")
 
     def show(transcript: Transcript) -> None:
         faults.take(transcript.fault)
+        count["lost"] += bool(transcript.fault)
         if transcript.text:
-            count[0] += 1
+            count["understood"] += 1
             print(json.dumps(transcript._asdict()) if as_json else line_of(transcript, names), flush=True)
 
     recognition = open_recognition(names, ListenSettings(), on_transcript=show, on_fault=faults.take)
@@ -74,9 +76,11 @@ def listen_to(file: str | None, device: str | None, names: ListenNames, *, as_js
     finally:
         sound.stop()
         recognition.close()
-    if not count[0]:
+    if lost := count["lost"]:
+        print(f"rai-missions listen: {lost} turn{'s' * (lost > 1)} of {file} could not be read", file=sys.stderr)
+    elif not count["understood"]:
         print(f"rai-missions listen: nothing was understood in {file}", file=sys.stderr)
-    return int(not count[0])
+    return int(lost > 0 or not count["understood"])
 
 
 def line_of(transcript: Transcript, names: ListenNames) -> str:

@@ -16,7 +16,7 @@ from rai_missions.connectors.sound.devices import sound_devices
 from rai_missions.connectors.sound.wav import write_wav
 from rai_missions.errors import MissionError
 from tests.plugins.test_plugins import laid_out
-from tests.voice.conftest import needs_voice
+from tests.voice.conftest import needs_voice, spoken
 
 
 @pytest.mark.long
@@ -53,6 +53,31 @@ def test_a_file_without_speech_exits_with_1(tmp_path: Path, capsys: pytest.Captu
     assert main(["listen", str(tmp_path / "silence.wav")]) == 1
     printed = capsys.readouterr()
     assert (printed.out, "nothing was understood in" in printed.err) == ("", True)
+
+
+SHORT_OF_EARS = """
+from rai_missions.voice.kind import Reading
+
+class Recogniser:
+    def transcribe(self, samples, phrases):
+        assert len(samples) < 2 * 32000, "too long"
+        return Reading("halt")
+"""
+
+
+@needs_voice
+@pytest.mark.xdist_group("voice")
+def test_a_file_of_which_a_turn_is_lost_exits_with_1_after_the_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    offers = "[rai_missions.recognisers]\nears = short_of_ears:Recogniser\n"
+    monkeypatch.syspath_prepend(str(laid_out(tmp_path, "short_of_ears", "1.0", offers=offers, code=SHORT_OF_EARS)))
+    long = spoken("Where are you going with the red cup and the plant?")
+    write_wav(tmp_path / "two.wav", spoken("Stop.") + bytes(32_000) + long)
+    assert main(["listen", str(tmp_path / "two.wav"), "--recogniser", "ears", "--second", ""]) == 1
+    printed = capsys.readouterr()
+    assert printed.out.split(maxsplit=5)[5] == "halt\n"
+    assert "the recogniser 'ears' failed" in printed.err and "1 turn of" in printed.err
 
 
 SHORT_OF_BREATH = """
