@@ -66,8 +66,10 @@ test: .venv/.ready-dev ## Every check, the built wheel, and all tests; those tha
 	@$(MAKE) --no-print-directory --jobs=2 check wheel compiled
 	$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup $(TESTS)
 
+# Only the files that have such tests: each worker loads them all.
 long: .venv/.ready-dev ## The tests that take seconds each and show in more what those of `make test` show
-	$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup -m "long and not drill" $(TESTS)
+	$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup -m "long and not drill" \
+	    $(or $(sort $(shell grep -rl --include='test_*.py' 'mark\.long' $(TESTS))),$(TESTS))
 
 wheel: .venv/.ready-dev ## Build the wheel and try it outside the checkout
 	scripts/try_wheel.sh
