@@ -167,8 +167,9 @@ class House(Simulation):
         with self._outbox.lock:
             for person in self.residents.helping(self.since()):
                 self.doors.clear_near(person)
-            self.doors.step(self.since(), self.pose[:2])
-            self.residents.step(self.since(), self.period_s, self.pose[:2], self.doors.blocked)
+            place = self.pose[:2]
+            self.doors.step(self.since(), place)
+            self.residents.step(self.since(), self.period_s, place, self.doors.blocked)
             if self._steps % FAST == 0:
                 self._scan()
             self._drive()
@@ -178,8 +179,9 @@ class House(Simulation):
             self._steps += 1
             self._account()
             self._publish()
+            pose, is_charging = self.pose, self.is_charging
             for server in self._servers.values():  # after the facts that their results rest on
-                server.step(self.at, self.pose, charging=self.is_charging)
+                server.step(self.at, pose, charging=is_charging)
         self._outbox.send()
 
     def _scan(self) -> None:
