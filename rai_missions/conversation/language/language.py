@@ -45,6 +45,8 @@ SHORTEST_MEANING = 3
 """Letters of the shortest word that may name a key without being its whole name."""
 MOST_NAMES = 1000
 """Names of the format that are remembered without their unit: each sentence asks for those of all keys."""
+MOST_PHRASES = 300
+"""Phrases of profiles that are remembered as they were compiled."""
 
 
 class Language(LanguageTexts):
@@ -60,6 +62,7 @@ class Language(LanguageTexts):
         self.examples = lru_cache(MOST_NAMES)(lambda phrase: examples_of(phrase, self.parts))
         """Plain sentences of a phrase."""
         self._name_and_unit = lru_cache(MOST_NAMES)(self._split_name)
+        self._orders_of = lru_cache(MOST_PHRASES)(self._compiled_orders)
         self.articles = frozenset(data["articles"])
         self.negations = frozenset(data["claims"]["negations"])
         """The words that deny a clause: `not`, `never`."""
@@ -192,7 +195,11 @@ class Language(LanguageTexts):
         Raises:
             UsageError: One is not closed, or names a part that does not exist.
         """
-        return Phrases((way for phrase in phrases for way in self._with_verbs(phrase)), self.parts, slots)
+        return self._orders_of(tuple(phrases), tuple(sorted(slots.items())))
+
+    def _compiled_orders(self, phrases: tuple[str, ...], slots: tuple[tuple[str, str], ...]) -> Phrases:
+        """See `order_phrases`; the same profile is compiled for each of its conversations."""
+        return Phrases((way for phrase in phrases for way in self._with_verbs(phrase)), self.parts, dict(slots))
 
     def with_two_objects(self, phrase: str) -> list[str]:
         """The phrase with whom something is for ahead of it, `bring {person} {item}` of `bring {item} to {person}`.

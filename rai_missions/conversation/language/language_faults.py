@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from string import Formatter
 from typing import Any
 
-from rai_missions.conversation.language.phrases import AROUND, SLOT, Phrases, in_one_piece, parts_of
+from rai_missions.conversation.language.phrases import AROUND, SLOT, in_one_piece, parts_of, slots_of
 from rai_missions.errors import Fault, UsageError, pointer, suggestion
 from rai_missions.redaction import shown
 
@@ -166,7 +166,7 @@ def _template_fault(own: str, allowed: frozenset[str]) -> str:
 def _phrase_fault(phrases: Sequence[str], slots: Sequence[str], parts: Mapping[str, str]) -> str:
     """Why phrases cannot be read; empty if they can."""
     try:
-        unknown = sorted(Phrases(phrases, parts).slots.difference(slots))
+        unknown = sorted(slots_of(phrases, parts).difference(slots))
     except UsageError as error:
         return str(error)
     there = ", ".join(f"{{{each}}}" for each in sorted(set(slots))) or "none"

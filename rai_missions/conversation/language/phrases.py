@@ -16,7 +16,7 @@ from rai_missions.errors import UsageError
 
 __all__ = (
     "AROUND", "NO_SLOTS", "SLOT", "AnyPhrase", "Phrases", "around_object", "example_of", "examples_of", "in_one_piece",
-    "part_of_verb", "parts_of",
+    "part_of_verb", "parts_of", "slots_of",
 )  # fmt: skip
 
 ATOM = re.compile(r"[()\[\]|*$]|\{(\w+)\}|<(\w+)>|[^\s()\[\]|{}<>*$]+")
@@ -25,6 +25,8 @@ SLOT = re.compile(r"\{(\w+)\}")
 WORDS = r"(?:\S+ )+?"
 AROUND = "…"
 """The place of the object in a verb that is around it."""
+NAMED = re.compile(r"\(\?P<(\w+)>")
+"""A slot in the regular expression of a phrase."""
 NO_SLOTS: Mapping[str, str] = {}
 """Any words may be in each slot."""
 
@@ -60,6 +62,15 @@ def _compiled(
     if why := _malformed(phrase):
         raise UsageError(f"the phrase '{phrase}' {why}")
     return "".join(made)
+
+
+def slots_of(phrases: Iterable[str], parts: Mapping[str, str]) -> frozenset[str]:
+    """The slots of phrases that are not compiled.
+
+    Raises:
+        UsageError: One is not closed, names a part that does not exist, or one that it is in.
+    """
+    return frozenset(slot for phrase in phrases for slot in NAMED.findall(_compiled(phrase, parts)))
 
 
 PAIRS = {"(": ")", "[": "]", "{": "}", "<": ">"}
