@@ -17,7 +17,7 @@ from rai_missions.errors import escaped, unescaped
 from rai_missions.guards import Guard
 from rai_missions.mission.mission import BUILT_IN_EVENTS, Mission
 from rai_missions.model import MissionModel
-from rai_missions.model.references import INTERFACES, Interface
+from rai_missions.model.references import INTERFACES, TEMPLATE, Interface, fields_of
 from rai_missions.states import DecisionSpec, Option, State, Transition
 from rai_missions.states.effects import Effect
 from rai_missions.states.tree import TreeNode
@@ -148,6 +148,8 @@ class MissionIndex:
         self.reads: list[PathUse] = []
         self.writes: list[KeyWrite] = []
         self.uses: list[RobotUse] = []
+        self.templates: list[tuple[Any, str]] = []
+        """Each goal, request, message, payload and value, and its place."""
         self.nodes: list[tuple[TreeNode, str]] = []
         """Every node of a tree, outer before inner."""
         self.state_names: list[tuple[str, str]] = []
@@ -200,6 +202,9 @@ class MissionIndex:
     def _look(self, thing: MissionModel, place: str, scope: Scope) -> None:
         """Note what a written thing refers to, and what is inside it."""
         self._refer(thing, place, scope)
+        for use in fields_of(type(thing)):
+            if use.hint == TEMPLATE:
+                self.templates.append((getattr(thing, use.name), f"{place}/{use.word}"))
         for written in thing.writes(place):
             self.writes.append(KeyWrite(*written, scope))
         for here, inner in thing.inside(place):

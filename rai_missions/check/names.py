@@ -12,6 +12,7 @@ from rai_missions.check.finding import Found
 from rai_missions.check.index import MissionIndex, StateRef
 from rai_missions.check.name_table import NameTable
 from rai_missions.check.pointers import listed_names, pointer
+from rai_missions.errors import escaped
 from rai_missions.guards.named import Named
 from rai_missions.mission.mission import BUILT_IN_EVENTS
 from rai_missions.states.effects import Drop, Raise
@@ -21,6 +22,7 @@ from rai_missions.states.transition import ANY_EVENT
 __all__ = (
     "colliding_names",
     "duplicate_states",
+    "literal_references",
     "repeated_names",
     "unknown_events",
     "unknown_ids",
@@ -46,6 +48,39 @@ def repeated_names(index: MissionIndex) -> Found:
         for number, name in enumerate(listed):
             if name in listed[:number]:
                 yield f"{place}/{number}", f"'{name}' is listed twice; drop this one"
+
+
+def literal_references(index: MissionIndex) -> Found:
+    """In a goal, a request, a message or a payload `from` takes a value; a similar word is sent as it is written."""
+    for template, place in index.templates:
+        items = template.items() if isinstance(template, Mapping) else ()
+        for word, item in items:
+            yield from _literal(index, item, f"{place}/{escaped(word)}")
+
+
+def _literal(index: MissionIndex, value: Any, place: str) -> Found:
+    if isinstance(value, list | tuple):
+        for number, item in enumerate(value):
+            yield from _literal(index, item, f"{place}/{number}")
+    elif isinstance(value, Mapping):
+        for word, item in value.items():
+            here = f"{place}/{escaped(word)}"
+            if len(value) == 1 and isinstance(item, str) and _is_like_from(word) and _is_path(index, item):
+                yield here, f"'{word}' takes no value: the text '{item}' is sent; write {{\"from\": \"{item}\"}}"
+            else:
+                yield from _literal(index, item, here)
+
+
+def _is_like_from(word: str) -> bool:
+    """It is `from` with its letters in another order, or one too few or too many, or what guards have in its place."""
+    return word != "from" and (
+        word == "key" or sorted(word) == sorted("from") or bool(difflib.get_close_matches(word, ["from"], cutoff=0.8))
+    )
+
+
+def _is_path(index: MissionIndex, text: str) -> bool:
+    root, dot, _ = text.partition(".")
+    return root in index.keys or (bool(dot) and root in ("event", "answer"))
 
 
 def unknown_states(index: MissionIndex) -> Found:

@@ -101,6 +101,7 @@ RULES: tuple[CheckRule, ...] = (
     CheckRule("unbounded-call", "warning", bounds.unbounded_calls),
     CheckRule("unreachable-limit", "warning", bounds.unreachable_limits, "structure"),
     CheckRule("unknown-tool", "warning", bounds.unknown_tools, "place"),
+    CheckRule("literal-reference", "warning", names.literal_references, "place"),
     CheckRule("repeated-name", "warning", names.repeated_names, "place"),
     CheckRule("misspelled-answerer", "warning", bounds.misspelled_answerers, "place"),
     CheckRule("unlisted-answerer", "warning", bounds.unlisted_answerers, "mission"),
