@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ("Ref", "answer", "event")
 
 POSE = ("x", "y", "z", "yaw", "frame")
-OFFERS = ("fresh", "is_false", "is_in", "is_true", "near")
+OFFERS = ("fresh", "held_for", "is_false", "is_in", "is_true", "near", "or_unknown")
 """What a reference makes guards by, next to operators."""
 
 
@@ -33,8 +33,8 @@ def _guard(word: str, **words: Any) -> Guard:
 class Ref:
     """A place that a value is read from: `k.battery`, `k.obstacle.height_m`, `event.distance_m`.
 
-    A field whose name is taken here (`fresh`, `near`, `is_in`, `is_true`, `is_false`) is reached as
-    `k.obstacle["fresh"]`.
+    A field whose name is taken here (`fresh`, `near`, `is_in`, `is_true`, `is_false`, `held_for`, `or_unknown`) is
+    reached as `k.obstacle["fresh"]`.
     """
 
     __slots__ = ("__key__", "__path__")
@@ -124,6 +124,15 @@ class Ref:
     def is_false(self) -> Guard:
         """`== false`, which `~` means too."""
         return self._compared("==", False)
+
+    def held_for(self, seconds: float) -> Guard:
+        """True once this has been `== true` for so long without a break."""
+        return self.is_true.held_for(seconds)
+
+    @property
+    def or_unknown(self) -> Guard:
+        """True where this is `== true` or unknown."""
+        return self.is_true.or_unknown
 
     def __invert__(self) -> Guard:
         return self.is_false

@@ -66,6 +66,9 @@ MOVES = {"key": "moving", "==": True}
         (k.moving.is_true, MOVES),
         (k.moving.is_false, {"key": "moving", "==": False}),
         (~k.obstacle.living, {"key": "obstacle.living", "==": False}),
+        (k.moving.held_for(2), {"held": MOVES, "for_s": 2}),
+        (k.moving.or_unknown, {"possible": MOVES}),
+        (k.obstacle.living.or_unknown, {"possible": {"key": "obstacle.living", "==": True}}),
         (k.battery.fresh, {"fresh": "battery"}),
         (~k.battery.fresh, {"not": {"fresh": "battery"}}),
         (k.obstacle["fresh"] == True, {"key": "obstacle.fresh", "==": True}),  # noqa: E712

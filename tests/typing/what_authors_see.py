@@ -70,6 +70,7 @@ assert_type(When(k.moving, to=["a", "b"]), Transition)
 assert_type(After(5, to="a", do=Set(k.moving, False)), Transition)
 
 assert_type(k.moving.is_true & ~k.moving.is_false, Guard)
+assert_type(k.moving.held_for(2) & k.moving.or_unknown, Guard)
 assert_type(Action("go", goal={"to": k.here}, achieved=k.moving, entry=Set(k.moving, True)), Action)
 assert_type(tree.Action("go", timeout_s=3), tree.Action)
 assert_type(Tree(tree.Sequence([tree.Check(k.moving), tree.Retry(tree.Call("horn"), 3), tree.Wait(1)])), Tree)
