@@ -50,7 +50,7 @@ def flood(folder: Path, *, is_recorded: bool, is_journaled: bool) -> Flood:
         recording = Recording.create(folder / "run.mcap", mission=made, about={}, now=time.monotonic)
     journal = None
     if is_journaled:
-        witness = recording.row if recording is not None else None
+        witness = recording.rows if recording is not None else None
         journal = Journal.create(folder / "run.journal", Header(dump(made)), witness=witness)
     runner = Runner(
         made,

@@ -294,7 +294,7 @@ def _open_recording(
     )
     closing.closes(lambda: recording.close(resumed.record.path if resumed is not None else plan.config.journal_path))
     for raw in resumed.record.raw() if resumed is not None else ():
-        recording.row(raw, ())
+        recording.rows((raw,))
     return recording
 
 
@@ -302,7 +302,7 @@ def _open_journal(
     plan: RunPlan, header: Header, recording: Recording | None, closing: CleanupStack
 ) -> tuple[Journal | None, str | None]:
     """The journal, and where one is now that had its name."""
-    witness = recording.row if recording is not None else None
+    witness = recording.rows if recording is not None else None
     moved = None
     if plan.resumed is not None:
         record = plan.resumed.record

@@ -32,7 +32,7 @@ from rai_missions.journal.sqlite import BLOB, MORE, ROW, Connection, SqliteError
 from rai_missions.journal.sqlite_writer import close_to_rest, end_of_opening, end_rest, open_again, open_to_write, widen
 from rai_missions.redaction import logger
 
-__all__ = ("Journal", "versions")
+__all__ = ("Journal", "Witness", "versions")
 
 log = logger(__name__)
 
@@ -42,8 +42,8 @@ FIRST_MARK = 100_000_000
 LOOK_ROWS = 100
 """Its size is looked at once in so many rows."""
 LAST = "SELECT number, hash FROM rows ORDER BY number DESC LIMIT 1"
-Witness = Callable[[Raw, tuple[Blob, ...]], None]
-"""Is notified of each row once it is written, with the pictures that came with it; must return at once, and never
+Witness = Callable[[tuple[Raw, ...], tuple[Blob, ...]], None]
+"""Is notified of rows once they are written, with the pictures that came with the last; must return at once, and never
 raise."""
 
 
@@ -270,8 +270,7 @@ class Journal:
             if number >= self._looks_at:
                 self._look_at_size(number)
             if self._witness is not None:
-                for row in rows:
-                    self._witness(row, blobs if row is rows[-1] else ())
+                self._witness(tuple(rows), blobs)
         return number
 
     def _look_at_size(self, number: int) -> None:

@@ -10,8 +10,9 @@ import atexit
 import math
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
@@ -107,7 +108,7 @@ class Recording:
                 Route("message", self._write_received),
                 Route("picture", self._write_received),
                 Route("raw", lambda given, when: self._pen.raw(given[0], given[1], when)),
-                Route("row", lambda given, when: self._pen.row(given[:4], given[4], when)),
+                Route("row", self._write_rows),
                 self._json(CALLS, CALL, call_of),
                 self._json(GOALS, GOAL, lambda action, *report: report_of(action, Report(*report))),
                 self._json(WRITES, BLACKBOARD, write_of),
@@ -171,11 +172,14 @@ class Recording:
         """An action's server has reported something of a goal."""
         self._put(REPORTED, GOALS, 0, None, packed((action, *report)))
 
-    def row(self, raw: Raw, blobs: Iterable[Blob]) -> None:
-        """The journal has got a row."""
-        kept = tuple(blobs)
-        size = len(raw[2]) + (sum(len(data) for _, _, data in kept) if kept else 0)
-        self._put(ROW, JOURNAL_TOPIC, size, None, (*raw, kept))
+    def rows(self, raws: Sequence[Raw], blobs: Sequence[Blob] = ()) -> None:
+        """The journal has got rows, written at once, and the pictures that come with the last."""
+        size = 0
+        for raw in raws:
+            size += len(raw[2])
+        for blob in blobs:
+            size += len(blob[2])
+        self._put(ROW, JOURNAL_TOPIC, size, None, (*chain(*raws), blobs))
 
     def step(self, step: Step) -> None:
         """A step was made: what it wrote on the blackboard, also where the journal waits for the next row."""
@@ -266,6 +270,12 @@ class Recording:
     def _write_received(self, given: tuple[Message, str], when: When) -> None:
         message, type_name = given
         self._pen.received(message._replace(data=self._clean(message.data)), type_name, when)
+
+    def _write_rows(self, given: tuple[Any, ...], when: When) -> None:
+        *fields, blobs = given
+        raws = [tuple(fields[at : at + 4]) for at in range(0, len(fields), 4)]
+        for raw in raws:
+            self._pen.row(raw, blobs if raw is raws[-1] else (), when)
 
     def _json(self, topic: str, schema: Schema, make: Callable[..., Any]) -> Route:
         """The route of what is written as JSON on a topic of the mission's own."""

@@ -58,7 +58,7 @@ def written_run(folder: Path, *, record: bool = False) -> Path:
     file = folder / "run.journal"
     header = Header(dump(LAMP), run="run", started="2026-01-01T00:00:00.000+00:00", versions={"format": "1"})
     recording = Recording.create(folder / "run.mcap", mission=LAMP, about={}, now=lambda: 0.0) if record else None
-    journal = Journal.create(file, header, witness=recording.row if recording is not None else None)
+    journal = Journal.create(file, header, witness=recording.rows if recording is not None else None)
     chart = Chart(LAMP)
     for step in (
         chart.start(at=0.0),

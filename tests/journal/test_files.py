@@ -64,10 +64,10 @@ def test_a_run_that_was_written_is_the_run_that_is_read(
 def test_confirmations_written_with_a_step_are_the_rows_of_those_written_before_it(
     tmp_path_factory: pytest.TempPathFactory, run: list[tuple[Step, list[int]]]
 ) -> None:
-    folder, seen = tmp_path_factory.mktemp("run"), list[tuple[Raw, tuple[Blob, ...]]]()
+    folder, seen = tmp_path_factory.mktemp("run"), list[tuple[tuple[Raw, ...], tuple[Blob, ...]]]()
     header = HEADER._replace(started="2026-01-01T00:00:00.000+00:00")
     with (
-        Journal.create(folder / "j", header, witness=lambda *row: seen.append(row)) as journal,
+        Journal.create(folder / "j", header, witness=lambda *rows: seen.append(rows)) as journal,
         Journal.create(folder / "twin", header) as twin,
     ):
         for step, performed in run:
@@ -75,10 +75,11 @@ def test_confirmations_written_with_a_step_are_the_rows_of_those_written_before_
             for number in performed:
                 twin.confirm(number, "performed")
             twin.write(step, since=1.25)
-    assert raw_rows_of(folder / "j") == raw_rows_of(folder / "twin") == [raw for raw, _ in seen]
+    assert raw_rows_of(folder / "j") == raw_rows_of(folder / "twin") == [raw for raws, _ in seen for raw in raws]
     with read(folder / "j") as record:
         assert {blob[0] for blob in record.pictures()} == {blob[0] for _, blobs in seen for blob in blobs}
-    assert all(raw[1] == "step" for raw, blobs in seen if blobs)
+    assert all(raws[-1][1] == "step" for raws, blobs in seen if blobs)
+    assert len(seen) == 1 + len(run), "rows that are written at once are handed over at once"
 
 
 def test_every_row_is_read_in_its_order(path: Path) -> None:

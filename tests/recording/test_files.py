@@ -46,7 +46,7 @@ FEEDBACK = Report("g", "feedback", {})
 
 
 def journaled(folder: Path, made: Recording, count: int) -> Journal:
-    with Journal.create(folder / "run.journal", Header(dump(LAMP)), witness=made.row) as journal:
+    with Journal.create(folder / "run.journal", Header(dump(LAMP)), witness=made.rows) as journal:
         for step in anomalies(count):
             journal.write(step, since=0.0)
     return journal
@@ -213,7 +213,7 @@ def test_a_full_disk_ends_the_recording_and_not_the_mission(
             "states": {"on": {"transitions": [{"after_s": 1, "to": "off"}]}, "off": {"final": "aborted"}},
         }
     )
-    with Journal.create(tmp_path / "run.journal", Header(dump(mission)), witness=made.row) as journal:
+    with Journal.create(tmp_path / "run.journal", Header(dump(mission)), witness=made.rows) as journal:
         runner = Runner(mission, clock=SimulatedClock(), journal=journal, observer=RunObserver(made.step))
         made.received(Message("/battery", {"percentage": 1.0}, 0.0), "")
         until(lambda: "the mission continues" in caplog.text)
@@ -420,7 +420,7 @@ from rai_missions.engine.step import Step
 from tests.recording.kept import LAMP
 folder = Path(sys.argv[1])
 made = Recording.create(folder / "run.mcap", mission=LAMP, about={}, now=lambda: 0.0)
-journal = Journal.create(folder / "run.journal", Header(dump(LAMP)), witness=made.row)
+journal = Journal.create(folder / "run.journal", Header(dump(LAMP)), witness=made.rows)
 for seq in range(1, 1_000_000):
     journal.write(Step(seq, float(seq), Event("anomaly", float(seq), {"text": "x" * 300})), since=0.0)
     time.sleep(0.001)

@@ -31,7 +31,7 @@ pytest.importorskip("mcap")
 def written(folder: Path, run: list[tuple[Step, Any]]) -> tuple[Path, Path]:
     """The journal of a run, and its recording."""
     made = recording(folder / "run.mcap")
-    with Journal.create(folder / "run.journal", Header(dump(LAMP)), witness=made.row) as journal:
+    with Journal.create(folder / "run.journal", Header(dump(LAMP)), witness=made.rows) as journal:
         for step, quiet in run:
             journal.write(step, since=1.25, quiet=quiet)
         journal.confirm(3, "succeeded")
@@ -61,7 +61,7 @@ def test_a_recording_is_replayed_as_its_journal_is(
     mission, folder = data.draw(missions()), tmp_path_factory.mktemp("run")
     clock = SimulatedClock()
     made = recording(folder / "run.mcap", mission=mission, now=clock.now)
-    with Journal.create(folder / "run.journal", Header(dump(mission)), witness=made.row) as journal:
+    with Journal.create(folder / "run.journal", Header(dump(mission)), witness=made.rows) as journal:
         runner = Runner(
             mission,
             connector=LocalConnector(now=clock.now),

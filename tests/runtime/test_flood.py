@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections import Counter
 from pathlib import Path
@@ -11,7 +12,10 @@ from typing import Any
 import pytest
 
 from rai_missions.connectors.local import LocalConnector
+from rai_missions.engine import Chart
 from rai_missions.event import Event
+from rai_missions.journal import Header, Journal
+from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
 from rai_missions.recording import Recording, recorded
@@ -77,3 +81,29 @@ def test_a_recorded_event_of_a_flood_calls_few_functions_more(tmp_path: Path) ->
     finally:
         made.close()
     assert 0 < more < 10
+
+
+def calls_of_rows(journal: Journal) -> int:
+    """How many functions in Python are called for the rows of an event of a flood: its step, and a confirmation."""
+    counted = Counter[str]()
+    with journal:
+        step = Chart(MISSION).start(0.0)
+        sys.setprofile(lambda _, event, __: counted.update([event]))
+        try:
+            journal.write(step, since=0.0, performed=(1,))
+        finally:
+            sys.setprofile(None)
+    return counted["call"]
+
+
+def test_rows_that_are_written_at_once_are_handed_to_a_recording_at_once(tmp_path: Path) -> None:
+    pytest.importorskip("mcap")
+    header = Header(dump(MISSION))
+    with Journal.create(tmp_path / "first.journal", header) as journal:
+        journal.note("what is loaded with the first row is")
+    made = Recording.create(tmp_path / "run.mcap", mission=MISSION, about={}, now=float)
+    try:
+        recorded_rows = calls_of_rows(Journal.create(tmp_path / "recorded.journal", header, witness=made.rows))
+    finally:
+        made.close()
+    assert recorded_rows - calls_of_rows(Journal.create(tmp_path / "plain.journal", header)) in range(1, 7)
