@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable
 from functools import cached_property
@@ -14,7 +15,18 @@ from rai_missions.engine.step import Move
 from rai_missions.guards.view import Test, Truth
 from rai_missions.states.transition import ANY_EVENT
 
-__all__ = ("CompiledStep", "Configuration", "DirectStep", "Looked", "Plan", "exchanged", "innermost", "inside")
+__all__ = (
+    "CompiledStep",
+    "Configuration",
+    "DirectStep",
+    "Looked",
+    "Plan",
+    "exchanged",
+    "innermost",
+    "inside",
+    "leaves",
+    "ordered",
+)
 
 _index, _name, _control, _watches = map(attrgetter, ("index", "name", "control", "watches"))
 
@@ -61,6 +73,11 @@ class Configuration:
 
     Rule: what is made here at once costs as much as changes; of many regions one configuration a microstep is made.
     """
+
+    __slots__ = (
+        "__dict__", "atomic", "direct", "eventless", "holds", "instants", "leaps", "order", "plans", "reads",
+        "watchful",
+    )  # fmt: skip
 
     def __init__(self, atomic: tuple[CompiledState, ...], order: tuple[CompiledState, ...]) -> None:
         self.atomic = atomic
@@ -173,6 +190,17 @@ def innermost(order: tuple[CompiledState, ...], nodes: Iterable[CompiledState]) 
         if at < end and order[at] is node and (at + 1 == end or order[at + 1].index > node.last):
             found.append(node)
     return found
+
+
+def ordered(nodes: Iterable[CompiledState]) -> tuple[CompiledState, ...]:
+    """States in document order."""
+    return tuple(sorted(nodes, key=_index))
+
+
+def leaves(order: tuple[CompiledState, ...]) -> tuple[CompiledState, ...]:
+    """The innermost of all that is active, the root before it: none are where the root is alone."""
+    following = (*map(_index, order[2:]), math.inf)
+    return tuple([node for node, after in zip(order[1:], following, strict=False) if after > node.last])
 
 
 def _chain(node: CompiledState, event: str | None, *, declared: bool) -> tuple[CompiledTransition, ...]:

@@ -12,13 +12,15 @@ from typing import Any
 
 from rai_missions.engine.compile import CompiledMission
 from rai_missions.engine.compiled_states import Act, CompiledState, CompiledTransition, Memory
-from rai_missions.engine.configuration import CompiledStep, Configuration, exchanged, innermost, inside
+from rai_missions.engine.configuration import CompiledStep, Configuration, exchanged, innermost, inside, leaves, ordered
 from rai_missions.engine.step import Move
 from rai_missions.guards.view import presence
 from rai_missions.states.history import History
 
 __all__ = ("EnteredStates", "Graph", "is_done")
 
+FEW = 8
+"""A change of a smaller part of the active states than one in so many."""
 IsActive = Callable[[CompiledState], bool]
 
 
@@ -176,7 +178,13 @@ class Graph(CompiledMission):
         return leap
 
     def _moved(self, config: Configuration, exited: set[CompiledState], entered: set[CompiledState]) -> Configuration:
-        """What is active once some states were left and others entered; found from what changes, not from all of it."""
+        """What is active once some states were left and others entered.
+
+        Of many states few change: found from those. Where many do, a look at all costs less.
+        """
+        if len(exited) + len(entered) > len(config.order) // FEW:
+            whole = ordered({*config.order} - exited | entered)
+            return self.configured(leaves(whole), whole)
         order = exchanged(config.order, exited, entered)
         around = {node.parent for node in (*exited, *entered) if node.parent is not None} - {self.root}
         before, after = innermost(config.order, exited | around), innermost(order, entered | around)

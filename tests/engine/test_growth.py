@@ -94,6 +94,7 @@ def ringing(many: int) -> Json:
     return document
 
 
+LINES_A_REGION = 100
 OVER: Json = {"on": "go", "to": "over"}
 
 
@@ -136,3 +137,7 @@ def lines_of(document: Json, module: ModuleType) -> int:
 )
 def test_twice_as_many_regions_cost_twice_as_much(document: Any, module: ModuleType) -> None:
     assert lines_of(document(80), module) < 2.3 * lines_of(document(40), module)
+
+
+def test_an_event_that_moves_all_regions_finds_what_is_active_at_once() -> None:
+    assert lines_of(moving(80), configuration) < 80 * LINES_A_REGION
