@@ -280,7 +280,7 @@ class Chart(ChartView):
 
     @property
     def quiet(self) -> bool:
-        """The last step did nothing but write the blackboard: it need not be written down by itself."""
+        """The last step did nothing but write the blackboard, or refuse to: it need not be written down by itself."""
         return self._state.quiet
 
     @property

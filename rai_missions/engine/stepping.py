@@ -112,9 +112,9 @@ def close(program: Program, state: RunState, event: Event) -> Step:
     draft = state.draft
     if draft.given_up:
         take_back(program, state)
-    changed = bool(draft.moves or draft.effects or draft.notes or draft.touched or draft.refused)
+    changed = bool(draft.moves or draft.effects or draft.notes or draft.touched)
     is_fact = event.kind in ("write", "tick")
-    if not changed and is_fact and state.mode == "running":
+    if not changed and not draft.refused and is_fact and state.mode == "running":
         look_for_time(program, state)
     else:
         look_ahead(program, state)

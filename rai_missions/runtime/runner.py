@@ -48,6 +48,8 @@ __all__ = ("Runner",)
 log = logger(__name__)
 
 NEW_RUN, UNOBSERVED, NO_ROBOT = NewRun(), RunObserver(), Robot("none")
+REFUSED_S = 1.0
+"""How often a reading that is refused has a row of its own: a source may send nothing else, hundreds a second."""
 SURVEYED_S = 3.0
 """How long after `ready_s` it may take to be known which actions two servers serve."""
 
@@ -137,6 +139,8 @@ class Runner(RunCommands):
         self._about = (robot or NO_ROBOT).about
         self._observer = HarmlessObserver(observer)
         self._notes: deque[tuple[str, Any]] = deque()
+        self._refused_at: dict[str, float] = {}
+        """Key → when a reading of it was refused, and that was written down."""
         self._loose: tuple[OpenGoal, ...] = self._chart.loose_goals
 
     def note(self, text: str, data: Any = None) -> None:
@@ -393,7 +397,7 @@ class Runner(RunCommands):
         """Step, journal, effects."""
         since = self._chart.at
         step = make()
-        if quiet and self._chart.quiet and step.event.kind in ("write", "tick"):
+        if quiet and self._chart.quiet and step.event.kind in ("write", "tick") and not self._is_news(step):
             self._writer.carry(step, self._chart.view.board)
         elif not self._write(step, since):
             return
@@ -407,6 +411,13 @@ class Runner(RunCommands):
         self._report(step)
         if lost is not None:
             self._lose_journal(lost)
+
+    def _is_news(self, step: Step) -> bool:
+        """It was refused, as no other reading of its key was for a second: one a second is written down."""
+        if not step.refusal or step.at < self._refused_at.get(step.event.name, -math.inf) + REFUSED_S:
+            return False
+        self._refused_at[step.event.name] = step.at
+        return True
 
     def _kill(self, event: Event) -> None:
         """The e-stop: the actuators first, the journal after."""

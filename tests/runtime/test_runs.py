@@ -420,6 +420,22 @@ def test_writes_that_enable_nothing_travel_and_the_newest_of_a_key_arrives() -> 
     assert max(later[2] - sooner[2] for sooner, later in zip(rig.book.quiet, rig.book.quiet[1:], strict=False)) <= 1.2
 
 
+def test_of_the_readings_of_a_key_that_are_refused_one_a_second_has_a_row() -> None:
+    rig = Rig({"waiting": {"transitions": [{"on": "go", "to": "end"}]}, "end": {"final": "aborted"}})
+
+    def publish_twice() -> None:
+        """As two robots do whose clocks differ, on one topic."""
+        for late_s in (0.0, 0.05):
+            sec, rest = divmod(round((rig.stage.at + 1.0 - late_s) * 1e9), 10**9)
+            rig.publish("/battery", percentage=0.5, header={"stamp": {"sec": sec - 1, "nanosec": rest}})
+
+    rig.stage.each = publish_twice
+    rig.stage.play({9.5: lambda: rig.post("go")})
+    rig.run()
+    refused = [step for step in rig.book.steps if step.refusal]
+    assert 9 <= len(refused) <= 10 and all("older than what is known" in step.why for step in refused)
+
+
 def test_what_is_due_in_the_instant_of_a_quiet_transition_is_done() -> None:
     states = {
         "waiting": {"transitions": [{"after_s": 2.0, "to": "calling"}]},

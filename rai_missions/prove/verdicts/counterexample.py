@@ -213,7 +213,7 @@ class TraceReplayer:
                 self._started.setdefault(owner, []).append(effect.number)
             elif isinstance(effect, Ask):
                 self._started.setdefault(effect.question.owner, []).append(effect.question.number)
-        if chart.quiet and step.event.kind in ("write", "tick"):
+        if chart.quiet and not step.refusal and step.event.kind in ("write", "tick"):
             self._quiet |= {key: (key, value, step.at) for key, value in step.writes}
         else:
             self._journal.write(step, since=since, quiet=tuple(self._quiet.values()))

@@ -93,7 +93,9 @@ class Play:
         for each in inputs:
             steps, since = perform(chart, each), chart.at
             for step in steps:
-                done.append(PlayStep(step, since, chart.quiet and step.event.kind in ("write", "tick")))
+                done.append(
+                    PlayStep(step, since, chart.quiet and not step.refusal and step.event.kind in ("write", "tick"))
+                )
                 since = chart.at
         click = Click(choice.name, choice.words, given, inputs, tuple(done), chart.active, self.chart)
         self.chart, self._choices = chart, None
