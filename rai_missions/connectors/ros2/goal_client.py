@@ -6,6 +6,7 @@ Rule: where a second server may be on the name, what is executing is read from e
 
 from __future__ import annotations
 
+import math
 import time
 from collections import OrderedDict
 from collections.abc import Callable
@@ -27,7 +28,7 @@ __all__ = ("PRESS_S", "QUIET_S", "STEP_S", "GoalClient")
 STATUS = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 """One server's status message must not push out another's: ROS's own reader keeps one for all of them."""
 CHASE_S = 60.0
-"""How long a lost goal is chased."""
+"""How long a lost goal is chased, counted while a server is there."""
 PRESS_S = 2.0
 """How long an answer is awaited before a goal's end is asked for once more."""
 SETTLE_S = 1.0
@@ -176,7 +177,7 @@ class GoalClient:
 
     def chase(self, goal: RemoteGoal) -> None:
         """No one owns a lost goal any more: if its server comes back with it, it is canceled."""
-        self._lost[goal] = time.monotonic() + CHASE_S
+        self._lost[goal] = math.inf
         self._look_later()
 
     def caught(self, goal: RemoteGoal, *, is_replaced: bool = False) -> None:
@@ -233,8 +234,10 @@ class GoalClient:
             else:
                 goal.look()
                 self.watch(goal)
+        at = time.monotonic()
         for goal, until in list(self._lost.items()):
-            if time.monotonic() > until:
+            self._lost[goal] = min(until, at + CHASE_S) if is_there else math.inf
+            if at > until:
                 self._let_go(goal)
             elif is_there:
                 self._press(goal)
