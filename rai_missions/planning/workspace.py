@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 
 from rai_missions.planning.geometry import Footprint, Point
@@ -54,9 +55,13 @@ class Workspace:
 
     def places(self, start: Point) -> list[Point]:
         """The places that may be chosen, those in easy reach: the nearest to a point first, then from below left."""
-        return sorted(self._raster(), key=lambda each: (round(math.dist(each, start), 6), each))
+        return sorted(self._raster, key=lambda each: (round(math.dist(each, start), 6), each))
 
-    def _raster(self) -> Iterator[Point]:
+    @cached_property
+    def _raster(self) -> tuple[Point, ...]:
+        return tuple(self._easy())
+
+    def _easy(self) -> Iterator[Point]:
         counts = (int((self.desk[axis + 2] - self.desk[axis]) / self.step_m) for axis in (0, 1))
         for column, row in product(*(range(1, count + 1) for count in counts)):
             x, y = round(self.desk[0] + column * self.step_m, 4), round(self.desk[1] + row * self.step_m, 4)

@@ -85,7 +85,7 @@ class GoalWriter:
 
     def _check_swapped(self, found: Sequence[Plain]) -> None:
         """A thing that is swapped or shifted, and moved otherwise, too: where it comes to depends on which is first."""
-        for at, each in enumerate(found):
+        for at, each in [one for one in enumerate(found) if one[1].keys() & {"swapped", "shifted"}]:
             others = [*found[:at], *found[at + 1 :]]
             elsewhere = {name for other in others for name in moved_by(other)}
             if moved := [name for name in each.get("swapped", ()) if name in elsewhere]:
