@@ -37,7 +37,7 @@ def ask_for(answer: Answer, request: Data, service: str, on_end: Callable[[Data,
     """
     try:
         data: Any = answer(request)
-    except Exception as fault:
+    except (Exception, SystemExit) as fault:
         log.exception("%s failed", service)
         on_end({}, raised_text(fault))
         return
@@ -55,7 +55,7 @@ def ask(answer: Answer, request: Data, service: str) -> Future[Data]:
     done: Future[Data] = Future()
     try:
         data = answer(request)
-    except Exception as fault:
+    except (Exception, SystemExit) as fault:
         log.exception("%s failed", service)
         done.set_exception(fault)
         return done

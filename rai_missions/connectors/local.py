@@ -242,5 +242,5 @@ def _run(on_message: OnMessage, message: Any, topic: str) -> None:
     """One subscriber's fault must not keep the message from the others."""
     try:
         on_message(message)
-    except Exception:
+    except (Exception, SystemExit):
         log.exception("a subscriber of %s failed", topic)

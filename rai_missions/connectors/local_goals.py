@@ -90,7 +90,7 @@ class LocalGoal:
     def _accept(self, goal: Data) -> None:
         try:
             self._server.accept(self.goal_id, goal, self.on_report)
-        except Exception as fault:
+        except (Exception, SystemExit) as fault:
             log.exception("%s could not take goal %s", self.action, self.goal_id)
             self.on_report(Report(self.goal_id, "rejected", {}, raised_text(fault)))
 
@@ -103,7 +103,7 @@ class LocalGoal:
         try:
             if not self._is_over:
                 self._server.cancel(self.goal_id)
-        except Exception as fault:
+        except (Exception, SystemExit) as fault:
             log.exception("%s could not cancel goal %s", self.action, self.goal_id)
             self.on_report(Report(self.goal_id, "cancel_rejected", {}, raised_text(fault)))
 

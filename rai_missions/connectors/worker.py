@@ -202,7 +202,7 @@ class SerialQueue:
         while is_ours and (work := self._next()) is not None:
             try:
                 work()
-            except Exception:
+            except (Exception, SystemExit):
                 log.exception("a callback failed")
             except BaseException:  # Ctrl-C: what waits is left for the next run
                 with self._lock:

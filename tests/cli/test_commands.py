@@ -168,13 +168,14 @@ def test_a_mission_that_must_receive_a_robot_is_not_begun_without_one(
     assert "must receive position_m, delivered, battery from a robot; give its profile" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("words", [[], ["--managed"]])
 def test_a_profile_without_a_world_is_refused_before_its_facts_are_waited_for(
-    folder: Path, capsys: pytest.CaptureFixture[str]
+    folder: Path, capsys: pytest.CaptureFixture[str], words: list[str]
 ) -> None:
     main(["new", "mine"])
     profile = json.loads(Path("mine/robot.ros.json").read_text())
     Path("mine/robot.json").write_text(json.dumps({**profile, "connector": {"kind": "local"}}))
-    assert main(["run", "mine/mission.json", "--robot", "mine/robot.json"]) == 2
+    assert main(["run", "mine/mission.json", "--robot", "mine/robot.json", *words]) == 2
     error = capsys.readouterr().err
     assert "mine/robot.json" in error
     assert "/connector: names no world, so the key 'position_m' has no other side" in error

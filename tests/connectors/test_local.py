@@ -125,13 +125,14 @@ def test_publishing_calls_subscribers_at_once_on_the_callers_thread(connector: L
     assert threads == [threading.get_ident()]
 
 
+@pytest.mark.parametrize("fault", [RuntimeError("broken ear"), SystemExit(0)])
 def test_a_subscriber_that_fails_does_not_keep_the_message_from_the_others(
-    connector: LocalConnector, caplog: pytest.LogCaptureFixture
+    connector: LocalConnector, caplog: pytest.LogCaptureFixture, fault: BaseException
 ) -> None:
     received: list[Message] = []
 
     def fail(_message: Message) -> None:
-        raise RuntimeError("broken ear")
+        raise fault
 
     connector.subscribe("/t", STRING, fail)
     connector.subscribe("/t", STRING, received.append)
@@ -211,9 +212,10 @@ class Unspeakable(Exception):
     [
         (RuntimeError("no motor"), "RuntimeError: no motor"),
         (Unspeakable(), "Unspeakable: a Unspeakable that cannot be put in words"),
+        (SystemExit(0), "SystemExit: 0"),
     ],
 )
-def test_a_server_that_raises_rejects(connector: LocalConnector, error: Exception, why: str) -> None:
+def test_a_server_that_raises_rejects(connector: LocalConnector, error: BaseException, why: str) -> None:
     class Broken(PatientServer):
         def accept(self, goal_id: str, goal: object, report: object) -> None:
             raise error
@@ -222,6 +224,30 @@ def test_a_server_that_raises_rejects(connector: LocalConnector, error: Exceptio
     connector.offer("/a", "", Broken())
     connector.send_goal("/a", "", {}, goal_id="g", on_report=reports.append)
     assert reports == [Report("g", "rejected", {}, why)]
+
+
+def test_a_server_that_exits_at_a_cancel_refuses_it(connector: LocalConnector) -> None:
+    class Leaving(PatientServer):
+        def cancel(self, goal_id: str) -> None:
+            raise SystemExit(0)
+
+    server, reports = Leaving(), list[Report]()
+    connector.offer("/a", "", server)
+    connector.send_goal("/a", "", {}, goal_id="g", on_report=reports.append)
+    server.send("g", "accepted")
+    connector.cancel_goal("g")
+    assert reports[1:] == [Report("g", "cancel_rejected", {}, "SystemExit: 0")]
+
+
+def test_a_service_that_exits_has_failed(connector: LocalConnector) -> None:
+    replies: list[Reply] = []
+
+    def leave(_: object) -> dict[str, object]:
+        raise SystemExit(0)
+
+    connector.serve("/s", "", leave)
+    connector.call("/s", "", {}, on_reply=replies.append)
+    assert [(reply.outcome, reply.why) for reply in replies] == [("failed", "SystemExit: 0")]
 
 
 def test_an_end_without_acceptance_is_preceded_by_one(connector: LocalConnector) -> None:

@@ -61,7 +61,7 @@ def run_mission(options: RunOptions) -> int:
         options, program = migrated(options, named)
     mission = _mission(options)
     _check_mission(mission, options, named)
-    if options.robot and not is_python and not options.resume:
+    if not is_python and not options.resume:
         _check_reach(mission, options.robot)
     lines = _lines(mission, options)
     config = _single_run(options, mission, named, lines)
@@ -109,10 +109,12 @@ def _check_mission(mission: Mission, options: RunOptions, named: Named | None) -
         )
 
 
-def _check_reach(mission: Mission, robot: str) -> None:
+def _check_reach(mission: Mission, robot: str | None) -> None:
     """Refuse a profile on whose side there is no one, where the mission must receive facts: none would ever come."""
+    if not robot or not mission.needed_facts():
+        return
     profile = load_whole_profile(robot, mission)
-    if mission.needed_facts() and (alone := tuple(missing_world(mission, profile))):
+    if alone := tuple(missing_world(mission, profile)):
         raise DefinitionError((*alone, *missing(mission, profile)), robot)
 
 
@@ -245,6 +247,8 @@ def _run_managed(options: RunOptions, *, is_python: bool) -> int:
     """Serve the mission on a node, run by run."""
     reject_single_run_options(options)
     mission = _mission(options)
+    if not is_python:
+        _check_reach(mission, options.robot)
     warn(_without_effect(options, mission, is_python=is_python))
     base = Path(options.journal or _journal_of(mission))
     numbers = itertools.count(1)
