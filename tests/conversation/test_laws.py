@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import HealthCheck, Phase, example, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.conversation import (
@@ -75,6 +75,7 @@ lists = st.one_of(
     st.tuples(st.just("speech"), st.integers(0, 6), st.sampled_from(("whole", "whole", "cut", "failed"))),
     st.tuples(st.just("order"), st.integers(0, 9), st.sampled_from(("", "no"))),
     st.tuples(st.just("waits"), st.sampled_from((0.3, 3.0, 25.0))),
+    st.tuples(st.just("begins_before"), st.sampled_from((0.1, 0.5, 4.0))),
     st.tuples(st.just("speaker"), st.booleans()),
 )
 scripts = st.lists(st.one_of(speaks, lists), min_size=5, max_size=45)
@@ -99,6 +100,8 @@ class Referee:
         self.began: dict[str, int] = {}
         self.request = 0
         self.queued = 0
+        self.before = 0.0
+        """How long ago the next sentence began: it is transcribed only now."""
 
     def play(self, script: list[tuple[Any, ...]]) -> None:
         for kind, *rest in script:
@@ -109,7 +112,7 @@ class Referee:
         readings = (
             (text, second) if second is not None and door[1] == "voice" else (text,) if door[1] == "voice" else ()
         )
-        received = Utterance(text, door[0], door[1], author, self.at, readings)
+        received, self.before = Utterance(text, door[0], door[1], author, self.at - self.before, readings), 0.0
         self.spoken.append(received)
         outputs = self.dialogue.on_utterance(received, self.view)
         self._judge(outputs, received)
@@ -152,6 +155,8 @@ class Referee:
             if result == "whole" and speech.report:
                 self.whole.setdefault(speech.report, []).append(speech.repeated)
             self.ended_badly.setdefault(speech.report, set()).add(result)
+            if self.read_back is not None and self.read_back[0].key == speech.key:
+                self.read_back = (speech, self.view, self.at) if result != "failed" else None
             self._judge(self.dialogue.on_speech_end(SpeechEnd(speech.key, result, self.at)), None)
 
     def _order(self, number: int, why: str) -> None:
@@ -160,6 +165,9 @@ class Referee:
     def _waits(self, seconds: float) -> None:
         self.at += seconds
         self._judge(self.dialogue.on_time(self.at), None)
+
+    def _begins_before(self, seconds: float) -> None:
+        self.before = seconds
 
     def _speaker(self, is_alive: bool) -> None:
         outputs = self.dialogue.on_speaker(is_alive=is_alive or self.is_kind, at=self.at)
@@ -206,9 +214,13 @@ class Referee:
         words = order.mission or order.option or order.name
         assert words.replace("_", " ") in speech.text or order.name in speech.text, "another order was read back"
         assert received.text in YES or received.text.startswith("yes"), "no yes"
+        assert received.at >= at, "a yes that began before the reading back"
         assert order.name in self.may[received.role], "the yes of one who may not"
         assert not received.readings or sum(each in YES or each.startswith("yes") for each in received.readings) == 2
-        assert (view.run, view.mode) == (self.view.run, self.view.mode), "the run has changed"
+        is_cancel = order.name == "cancel" and self.view.mode in ALIVE  # which may be given in any mode
+        assert (view.run, view.mode) == (self.view.run, view.mode if is_cancel else self.view.mode), (
+            "the run has changed"
+        )
         assert self.at - at < 100
         assert received.speaker not in self.spoken_since, "a yes after something else"
         self.read_back = None
@@ -312,6 +324,38 @@ def ask_again(between: list[str], door: Any) -> None:
     is_aloud = door[1] == "voice"
     for text in ("cancel the mission", *between, "yes", "yes"):
         referee.play([("speaks", door, "Anna", text, text if is_aloud else None)])
+
+
+def answer_early(between: list[tuple[Any, ...]], before: float, speaker: str) -> None:
+    referee, door = Referee({**MAY, "person": MAY["operator"]}), ("person", "voice")
+    referee.play([("speaks", door, "Anna", "cancel the mission", "cancel the mission"), *between])
+    referee.play([("begins_before", before), ("speaks", door, speaker, "yes", "yes")])
+    referee.finish()
+
+
+MEANWHILE = st.one_of(
+    st.tuples(st.just("speech"), st.integers(0, 2), st.sampled_from(("whole", "cut", "failed"))),
+    st.tuples(st.just("speaker"), st.booleans()),
+    st.tuples(st.just("mode"), st.sampled_from(("running", "paused", "succeeded", "failed"))),
+    st.tuples(st.just("waits"), st.sampled_from((0.3, 3.0))),
+    st.tuples(st.just("speaks"), st.just(("operator", "page")), st.just("Ben"), st.sampled_from(HOSTILE), st.none()),
+)
+early = (st.lists(MEANWHILE, max_size=5), st.sampled_from((0.0, 0.1, 0.5, 4.0)), st.sampled_from(("Anna", "Cleo")))
+
+
+@given(*early)
+@example([("speech", 0, "cut")], 0.5, "Anna")
+@example([("speech", 0, "failed")], 0.0, "Anna")
+@settings(max_examples=150, deadline=None, derandomize=True)
+def test_a_spoken_yes_counts_only_if_it_began_after_the_reading_back_was_spoken(
+    between: list[tuple[Any, ...]], before: float, speaker: str
+) -> None:
+    answer_early(between, before, speaker)
+
+
+test_a_spoken_yes_counts_only_if_it_began_after_the_reading_back_was_spoken_at_length = drill(
+    answer_early, *early, tried=LARGE
+)
 
 
 confirmed = (st.lists(st.sampled_from(HOSTILE), min_size=1, max_size=4), st.sampled_from((*DOORS[:2], DOORS[3])))
