@@ -132,6 +132,7 @@ def test_a_faulty_phrase_is_refused_with_its_text() -> None:
         "find [the {object]": "is not closed: ']' closes what is not open there",
         "find {object": "is not closed: '{' lacks its '}'",
         "find {my object}": "has '{my object}', which is no name; it is one word of letters, digits",
+        "find {2nd}": "has '{2nd}', which is no name; it is one word of letters, digits and '_' that begins",
         "find {object} or {object}": "has {object} twice; keep one",
     }.items():
         with pytest.raises(UsageError, match=re.escape(f"the phrase '{phrase}' {why}")):

@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
 
 from rai_missions.errors import UsageError
 
@@ -86,8 +87,9 @@ def _malformed(phrase: str) -> str:
             return f"is not closed: '{sign}' closes what is not open there"
     if opened:
         return f"is not closed: '{opened[-1]}' lacks its '{PAIRS[opened[-1]]}'"
-    if unread := re.search(r"[{<](?!\w+[}>])[^}>]*[}>]", phrase):
-        return f"has '{unread[0]}', which is no name; it is one word of letters, digits and '_', as in {{place}}"
+    if unread := re.search(r"[{<](?![^\W\d]\w*[}>])[^}>]*[}>]", phrase):
+        name = "one word of letters, digits and '_' that begins with no digit, as in {place}"
+        return f"has '{unread[0]}', which is no name; it is {name}"
     slots = SLOT.findall(phrase)
     return next((f"has {{{each}}} twice; keep one" for each in slots if slots.count(each) > 1), "")
 
@@ -203,10 +205,15 @@ class Phrases(AnyPhrase):
         phrases = list(phrases)
         compiled = [_compiled(phrase, parts, slots=slots) for phrase in phrases]
         super().__init__(f"(?:{re.sub(r'[(][?]P<[^>]+>', '(?:', each)})" for each in compiled)
-        self._each = [re.compile(each) for each in compiled]
-        self.slots = frozenset(slot for each in self._each for slot in each.groupindex)
+        self._sources = tuple(compiled)
+        self.slots = frozenset(slot for each in compiled for slot in NAMED.findall(each))
         sources = " ".join([*phrases, *parts.values()])
         self.words = frozenset(re.findall(r"[^\W\d_]+", re.sub(r"\{\w+\}|<\w+>", " ", sources)))
+
+    @cached_property
+    def _each(self) -> list[re.Pattern[str]]:
+        """Each by itself, for its slots; of most lists only is asked whether one of them is there."""
+        return [re.compile(each) for each in self._sources]
 
     def match(self, words: Iterable[str]) -> Iterator[Mapping[str, str]]:
         """The slots of each phrase that the words fit as a whole."""
