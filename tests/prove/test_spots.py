@@ -132,6 +132,14 @@ def test_the_range_of_an_argument_adds_no_values_to_what_is_compared_with_it_alo
         assert [len(values.of(key)) for key in keys] == [1, 2, 2]
 
 
+@pytest.mark.parametrize("limits", LIMITS)
+def test_the_range_of_an_argument_adds_no_values_next_to_a_constant(limits: Json) -> None:
+    guards: list[Json] = [{"key": "here", "<": {"key": "floor"}}, {"key": "here", ">": 7}]
+    values = Values(mission({"floor": {**FLOOR, **limits}, "here": READ}, guards), RobotFacts())
+    free = Values(mission({"floor": FLOOR, "here": READ}, guards), RobotFacts())
+    assert len(values.of("here")) <= len(free.of("here")) and len(values.of("floor")) <= len(free.of("floor"))
+
+
 def test_what_moves_among_what_moves_by_its_order_is_tried_with_some_values_only() -> None:
     guards: list[Json] = [{"key": "a", "<": {"key": "b"}}, {"key": "b", "<": {"key": "c"}}]
     assert prove(mission(dict.fromkeys("abc", READ), guards)).sampled == ("a", "b", "c")

@@ -336,11 +336,15 @@ class Values:
         if self.learned.is_matched(kin) and (free := within.wholes(len(kin) + len(operands))):
             others = [each for each in free if each not in operands]
             return [*sorted(operands), *others[: staying if stays else len(kin)]]
-        is_counted = self.learned.is_counted(kin)
-        if not operands and not is_counted and (free := within.wholes((moving + 1) * (staying - 1) + 1)):
-            return Spots((), staying, moving, is_whole, first=free[0] - moving).of(stays=stays)
-        ends = [self.learned.range_of([each]).every for each in kin] if is_counted else [self._bounds(kin)]
-        return Spots({*operands, *chain(*ends)}, staying, moving, is_whole).of(stays=stays)
+        spots = Spots(operands, staying, moving, is_whole)
+        if self.learned.is_counted(kin):
+            every = chain.from_iterable(self.learned.range_of([each]).every for each in kin)
+            return spots._replace(constants={*operands, *every}).of(stays=stays)
+        if staying == 1:
+            return spots._replace(within=within).of(stays=stays)
+        if not operands and (free := within.wholes((moving + 1) * (staying - 1) + 1)):
+            return spots._replace(first=free[0] - moving).of(stays=stays)
+        return spots._replace(constants={*operands, *self._bounds(kin)}).of(stays=stays)
 
     def _is_whole(self, kin: Iterable[str]) -> bool:
         """Some of these take whole numbers only."""
