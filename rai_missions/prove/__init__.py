@@ -67,7 +67,7 @@ class Proof(NamedTuple):
     alike: dict[str, int]
     """Loop of a tree → its rounds, of which a few were explored that represent all: later ones are the same."""
     never: tuple[str, ...]
-    """States that no run enters; known only where everything was explored."""
+    """States that no run enters; known only where everything was explored, and with all values."""
     seconds: float
 
     @property
@@ -179,6 +179,8 @@ class _ProofRun:
             found, ways = self._calmly(found, ways)
         names = [name for _, name, state in self._mission.walk() if state.word != "history"]
         states, steps, depth = space.covered
+        sampled = world.values.learned.sampled
+        is_all = space.is_whole and not sampled
         return Proof(
             claims=tuple(found),
             ways=ways,
@@ -192,9 +194,9 @@ class _ProofRun:
             assumed=tuple(sorted(world.assumed)),
             in_pause=tuple(sorted(space.findings.in_pause)),
             predicates=tuple(sorted(world.predicates)),
-            sampled=world.values.learned.sampled,
+            sampled=sampled,
             alike={str(loop): loop.rounds for loop, many in self._rounds.items() if many < loop.rounds},
-            never=tuple(name for name in names if name not in space.findings.entered) if space.is_whole else (),
+            never=tuple(name for name in names if name not in space.findings.entered) if is_all else (),
             seconds=time.perf_counter() - self._began,
         )
 

@@ -181,7 +181,7 @@ class Stores:
         """The one that does this.
 
         Args:
-            written: Key → its new entry.
+            written: Key → its new entry; None for one that went stale.
             added: Key → what is added to its number.
             goals: Those that were given up, or all that are left.
             rivals: Of each goal what makes a difference afterwards.
@@ -189,7 +189,7 @@ class Stores:
             question: Asks for all that makes a difference afterwards; the same wherever `kept` is.
             is_absolute: No other goals are left.
         """
-        entries = [(key, tuple(entry)) for key, entry in sorted(written.items())]
+        entries = [(key, entry and tuple(entry)) for key, entry in sorted(written.items())]
         mark = fingerprint((entries, sorted(added.items()), _plain(goals), is_absolute, id(rivals), id(kept)))
         found = self._changes.get(mark)
         if found is None:
@@ -213,7 +213,7 @@ class Stores:
             for key, more in change.added.items():
                 value, at = keys[key]
                 keys[key] = Stamped(clamped(self._bounds, key, value + more), at)
-            keys = {key: entry for key, each in keys.items() if (entry := change.kept(key, each)) is not None}
+            keys = {key: entry for key, each in keys.items() if each and (entry := change.kept(key, each)) is not None}
             new = self.store(keys, first_alike(goals, change.rivals))
         found = self._after[place] = new, change.question.of(new)
         return found

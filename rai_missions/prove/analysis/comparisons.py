@@ -35,6 +35,8 @@ LITERAL = frozenset({*NUMBERS, "string", "boolean", "list"})
 FEW = 20
 """An argument of so many whole numbers is tried with each, where something is counted up to it."""
 UNORDERED = OPERATORS.keys() - ORDERED
+OWN = frozenset({"set", "add", "from", "status"})
+"""How a mission itself writes a key."""
 MIRRORED = {"==": "==", "!=": "!=", "<": ">", "<=": ">=", ">": "<", ">=": "<="}
 """Operator → the one that is true with its sides exchanged."""
 
@@ -263,15 +265,22 @@ class Comparisons:
             self.atoms.setdefault(one, [])
             self.atoms.setdefault(other, [])
             self._join(one, other)
+        for paths in (self._copied, self._sources):  # a part of a copy is one
+            paths |= {path for path in self.kin if any(path[:at] in paths for at in _dots(path))}
         return bool(found)
 
     # -- what moves ------------------------------------------------------------------------------------------------
 
     def staying(self, kin: Collection[str]) -> frozenset[str]:
-        """Those of its kin around which the others lie: all but one that moves, where there are two."""
-        free = sorted(each for each in kin if self._source(each) in ("robot", ""))
-        if len(kin) == 2 and free:
-            return frozenset(kin) - {free[0]} - self._written
+        """Those of its kin around which the others lie: the arguments, or of two one, where the other moves by itself.
+
+        Of two that are reported the other can come to the same side of it in a report of its own, and what an event
+        brings to any side. What an item or a result brings comes in a step in which rules look at both: before it, no
+        reading moves past it unnoticed.
+        """
+        reported = sorted((each for each in kin if self._source(each) in ("robot", "")), key=self._by_source)
+        if len(kin) == 2 and reported and (len(reported) == 2 or not self._source(reported[0])):
+            return frozenset(each for each in kin if each != reported[0] and not self._is_written(each))
         return frozenset(each for each in kin if self._source(each) == "argument")
 
     def moving_apart(self, kin: Collection[str]) -> int:
@@ -292,13 +301,21 @@ class Comparisons:
 
     def _met_moving(self, kin: Collection[str]) -> list[tuple[str, str, str]]:
         """The comparisons of two that move."""
-        moving = set(kin) - self.staying(kin) - self._written
+        stay = self.staying(kin)
+        moving = {each for each in kin if each not in stay and not self._is_written(each)}
         return [(one, op, other) for one, op, other in self.met if one in moving and other in moving]
 
     def _source(self, path: str) -> str:
         """The source of the key; empty for what an event or an answer brings, which is there for a step only."""
         root = path.partition(".")[0]
         return self.keys[root].source if root in self.keys else ""
+
+    def _by_source(self, path: str) -> tuple[str, str]:
+        return self._source(path), path
+
+    def _is_written(self, path: str) -> bool:
+        """Whether the mission gives constants alone to the key."""
+        return path.partition(".")[0] in self._written
 
     @cached_property
     def _written(self) -> frozenset[str]:
@@ -354,7 +371,11 @@ class Comparisons:
         )
 
     def _reckoned(self) -> Iterator[str]:
-        """Numbers that are compared with a key that is counted or copied, and poses with several distances."""
+        """Numbers that are compared with a key that is counted or copied, and those that are counted from what is free.
+
+        How often a number has to be counted until it is equal to a constant is another question for each number.
+        """
+        yield from (key for key in self.steps if key in self._free)
         for path in {each for one, _, other in self.met for each in (one, other)}:
             kin = self.kin_of(path)
             is_reckoned = kin & (self.steps.keys() | self._copied) and self.kind_of(path) not in ("boolean", "string")
@@ -431,9 +452,17 @@ class Comparisons:
     @cached_property
     def _brought(self) -> set[str]:
         """Keys that more than the start and `set` write: items of lists, results, what a package's kinds may write."""
-        items = {item for found in self.items.values() for item in found}
-        sent = [*parts(self._mission, GoalFields), *parts(self._mission, CallFields)]
-        return {*items, *(key for each in sent for key in each.result), *(self.keys if self._mission.uses else ())}
+        written = (each for thing in self._mission.everything() for each in thing.writes())
+        return {each.key for each in written if each.by not in OWN} | set(self.keys if self._mission.uses else ())
+
+    @cached_property
+    def _free(self) -> set[str]:
+        """Keys that can be anything: what is reported, given or brought, and what is copied from there."""
+        free = {name for name, key in self.keys.items() if key.source != "mission"} | self._brought
+        copies = {(each.set, each.source.partition(".")[0]) for each in writes_in(self._mission) if each.source}
+        while more := {name for name, root in copies if root in free or root not in self.keys} - free:
+            free |= more
+        return free
 
     def _looked_into(self) -> Iterator[str]:
         """Poses of which guards ask for a distance, and for a field as well."""

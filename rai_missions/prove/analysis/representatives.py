@@ -118,11 +118,13 @@ class Values:
         return self._known[place]
 
     def saturating(self) -> Mapping[str, tuple[float, float]]:
-        """Counters that only grow, or only shrink → the bounds past which no guard distinguishes their values."""
+        """Counters that only grow, or only shrink → the bounds past which no guard distinguishes their values.
+
+        A copy of one that grows can shrink from beyond the bounds, and then its value makes a difference.
+        """
         learned, found = self.learned, {}
-        for key, steps in learned.steps.items():
-            if key not in learned.atoms:
-                continue
+        for key in learned.steps.keys() & learned.atoms.keys():
+            steps = [each for kin in learned.kin_of(key) for each in learned.steps.get(kin, ())]
             linked = len(learned.kin_of(key)) > 1
             high = [_past(op, each, 1) for op, each in learned.constants(key) if isinstance(each, int | float)]
             low = [_past(op, each, -1) for op, each in learned.constants(key) if isinstance(each, int | float)]
