@@ -139,10 +139,10 @@ def rights(name: str, kind: str) -> Iterator[bool]:
 
 MODES = {"start": "running", "resume": "running", "stop": "paused", "pause": "paused"}
 LEAST = {
-    ("first", "orders"): (60, 46), ("first", "questions"): (37, 30), ("first", "answers"): (22, 21),
-    ("first", "stops"): (20, 20), ("first", "harmless"): (37, 33), ("first", "dialogues"): (39, 33),
-    ("second", "orders"): (41, 35), ("second", "questions"): (37, 31), ("second", "answers"): (25, 22),
-    ("second", "stops"): (20, 20), ("second", "harmless"): (27, 28), ("second", "dialogues"): (69, 43),
+    ("first", "orders"): (60, 47), ("first", "questions"): (37, 30), ("first", "answers"): (22, 21),
+    ("first", "stops"): (20, 20), ("first", "harmless"): (38, 33), ("first", "dialogues"): (40, 33),
+    ("second", "orders"): (46, 37), ("second", "questions"): (37, 31), ("second", "answers"): (25, 22),
+    ("second", "stops"): (20, 20), ("second", "harmless"): (29, 28), ("second", "dialogues"): (72, 52),
 }  # fmt: skip
 """Those that are read right, of the half that was read and of the other."""
 

@@ -108,6 +108,18 @@ class OrderSide:
         self._requests.drop("requests_stopped", asked)
         return True
 
+    @property
+    def requests(self) -> tuple[Sense, ...]:
+        """What the requests that wait order, the oldest first."""
+        return self._requests.senses
+
+    def withdraw_one(self, at: int, utterance: Utterance) -> None:
+        """One of the requests that wait is dropped, by its place; a role that may order a start may do so."""
+        if may(utterance.role, "start", self._talk.settings):
+            self._requests.drop_one(at)
+        else:
+            self.refuse_permission("start", utterance)
+
     def withdraw(self, utterance: Utterance) -> None:
         """What waits is dropped; a role that may order a start may do so."""
         asked = self.confirmation.request

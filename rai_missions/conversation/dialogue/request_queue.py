@@ -122,6 +122,23 @@ class RequestQueue:
         self.note()
         return request
 
+    @property
+    def senses(self) -> tuple[Sense, ...]:
+        """What each of them orders."""
+        return tuple(each.sense for each in self._waiting)
+
+    def drop_one(self, at: int) -> None:
+        """One of them is dropped; every channel is informed.
+
+        Args:
+            at: Its place, from 0.
+        """
+        kept = [each for place, each in enumerate(self._waiting) if place != at]
+        self._waiting = deque([self._waiting[at]])
+        self.drop("requests_withdrawn")
+        self._waiting.extend(kept)
+        self.note_any()
+
     def drop(self, form: str, asked: Sequence[str] = ()) -> None:
         """All are dropped; every channel is informed.
 

@@ -118,8 +118,10 @@ class SentenceSide:
             return Draft(unfinished, is_asked_for=True)
         if (read_back := self._orders.confirmation.order) is not None:
             return None if self._orders.confirmation.request else Draft(read_back, is_read_back=True)
-        taken = self._of(utterance, self._orders.taken, LATE_S)
-        return None if taken is None else Draft(taken)
+        taken = self._orders.taken
+        if taken is None or self._talk.now - taken.at >= LATE_S:
+            return None
+        return Draft(taken.sense, is_of_another=taken.speaker != utterance.speaker)
 
     def _of(self, utterance: Utterance, given: EarlierOrder | None, within_s: float) -> Sense | None:
         """An order, where the speaker of this sentence gave it, less than so many seconds ago."""
@@ -138,7 +140,7 @@ class SentenceSide:
         if (stop := _stop_in(each)) is not None:
             return self._stop(stop, each, utterance)
         self._speaking.speak_due(now=True)
-        if self._decides(utterance, each):
+        if self._decides(utterance, each) or self._withdraws(utterance, each):
             return "handled"
         self._orders.confirmation.distract(utterance)
         senses = tuple(sense for sense in each[0] if sense.kind not in DECISIONS) or each[0]
@@ -198,6 +200,17 @@ class SentenceSide:
         is_agreed = len(each) > 1 and all(any(sense.kind == meant for sense in others) for others in each)
         self._decide(utterance, is_yes=meant == "yes", is_agreed=is_agreed)
         return True
+
+    def _withdraws(self, utterance: Utterance, each: Sequence[Sequence[Sense]]) -> bool:
+        """Whether a request is wanted no more: `forget the lobby`; `forget that` is the one it has just ordered."""
+        if any(sense.kind == "order" and sense.name != "cancel" for sense in each[0]):
+            return False
+        requests, taken = self._orders.requests, self._of(utterance, self._orders.taken, LATE_S)
+        is_own = taken is not None and bool(requests) and requests[-1].identity == taken.identity
+        place = self._grammar.withdrawn(utterance.text, requests, self._talk.view, is_recent=is_own)
+        if place is not None:
+            self._orders.withdraw_one(place, utterance)
+        return place is not None
 
     def _decide(self, utterance: Utterance, *, is_yes: bool, is_agreed: bool) -> None:
         """A yes or a no to what was read back; the next sentence may correct what a no has dropped."""

@@ -35,6 +35,8 @@ class Draft(NamedTuple):
     """Nothing is read back, and the order lacks what the person wants: a value alone completes it."""
     is_read_back: bool = False
     """It waits for a yes: a value alone is a correction where it is one of a list."""
+    is_of_another: bool = False
+    """Another person gave it: what this one wants as well may be like it, and nothing corrects it."""
 
 
 class NamedPart(NamedTuple):
@@ -58,7 +60,10 @@ class Corrections:
         data = language.data
         whole = [word for name in HALF for each in data[name] for word in each.split()]
         self._around = language.articles.union(whole)
+        self._halves = frozenset(data["halves"])
+        """Of what was before, where they are alone: `half of that`."""
         self._joining = frozenset(word for name in JOINING for word in data[name]) - language.articles
+        self._repeating = frozenset(data["repeating"])
         self._refusing = language.negations.difference(data["correcting"])
         named = frozenset(word for name in phrases.names for word in name)
         measured = (word for units in data["unit_words"].values() for unit in units for word in unit.split())
@@ -73,13 +78,23 @@ class Corrections:
         Where nothing is open, a word must join it to the order that was taken: `now the hot tub`.
         """
         is_half = all(word in self._half_words or number([word], self._language.data) is not None for word in words)
-        is_open = draft.is_read_back or draft.is_asked_for or not self._joining.isdisjoint(words)
-        orders = draft.sense.orders if is_half and is_open else ()
+        joints = self._repeating if draft.is_of_another else self._joining
+        is_open = draft.is_read_back or draft.is_asked_for or not joints.isdisjoint(words)
+        orders = (draft.sense.orders or (draft.sense,)) if is_half and is_open else ()
         made = [self._half(words, draft._replace(sense=order), view) for order in orders]
         if sum(each is not None for each in made) != 1:
             return None
         both = zip(made, orders, strict=True)
         return joined([each or order for each, order in both])._replace(is_correction=draft.is_read_back)
+
+    def names(self, words: Sequence[str], sense: Sense, view: StatusView) -> bool:
+        """Whether words are a half sentence whose values are all of a start: `the lobby` of `patrol the lobby`."""
+        found = list(self._values_in(words, sense, view)) if sense.name == "start" else []
+        return bool(found) and all(each is not None and sense.arguments.get(each.name) == each.value for each in found)
+
+    def is_around(self, word: str) -> bool:
+        """Whether a word has no meaning of its own in a half sentence."""
+        return word in self._around
 
     def _half(self, words: Sequence[str], draft: Draft, view: StatusView) -> Sense | None:
         found = list(self._values_in(words, draft.sense, view)) if draft.sense.name == "start" else []
@@ -115,7 +130,7 @@ class Corrections:
         """The value that words begin with, and how many they are: of the first argument that has it."""
         for size in range(min(len(words), LONGEST + 1), 0, -1):
             span = list(words[:size])
-            if span[0] in self._language.articles or self._around.issuperset(span):
+            if span[0] in self._language.articles or self._around.issuperset(span) or " ".join(span) in self._halves:
                 continue
             for key in keys:
                 listed = self._phrases.named_values(key.name)

@@ -97,10 +97,14 @@ class Grammar:
         whole = self.sentence.senses(words, view, draft)
         if earlier and all(each.kind in ("order", "fault") and each.name == "start" for each in whole):
             whole = self.sentence.referring(words, view, earlier) or whole
-        if draft is None and any(each.name == "answer" for each in whole) and self._refuses_a_kind(text):
+        if (
+            (draft is None or draft.is_of_another)
+            and any(each.name == "answer" for each in whole)
+            and self._refuses_a_kind(text)
+        ):
             whole = tuple(each for each in whole if each.name != "answer")
         is_open = _is_open(whole)
-        corrected = self._corrected_within(words, view) if is_open else ()
+        corrected = (self._corrected_within(words, view) or self._completed_within(text, view)) if is_open else ()
         is_list = is_open or all(sense.kind == "order" and sense.name in self.language.orders for sense in whole)
         several = corrected or (self._lists.senses(text, view, whole, earlier) if is_list else ())
         if several and not is_open:
@@ -119,6 +123,29 @@ class Grammar:
         else:
             found = self._in_parts(parts, view, draft) or tuple(each for each in whole if self._is_within(each, parts))
         return (self._pause_at_first(text, edges) if is_fault(found or FAULT) else ()) or found
+
+    def withdrawn(
+        self, text: str, requests: Sequence[Sense], view: StatusView, *, is_recent: bool = False
+    ) -> int | None:
+        """The place of the request that a sentence wants no more, `forget the lobby`, `forget the last one`; or None.
+
+        Args:
+            text: The sentence, as it was received.
+            requests: Those that wait, the oldest first.
+            view: The run.
+            is_recent: Whether the speaker has just ordered the last one, so that it may be `that`.
+        """
+        openings = self.language.normaliser.openings(self.language.normaliser.words(text)) if requests else ()
+        for slots in (slots for words in openings for slots in self.language.forgetting.match(words)):
+            thing = slots["thing"].split()
+            if is_recent and all(word in self.language.data["pronouns"] for word in thing):
+                return len(requests) - 1
+            if (place := self.sentence.place_in(thing)) is not None and -len(requests) <= place < len(requests):
+                return place % len(requests)
+            for at in range(len(requests) - 1, -1, -1):
+                if self.sentence.names(thing, requests[at], view):
+                    return at
+        return None
 
     def answers(self, text: str, questions: Sequence[Question]) -> bool:
         """Whether a sentence would answer one of these questions, as a whole or as a correction."""
@@ -313,6 +340,19 @@ class Grammar:
                 if then is not None and (found := self._corrected_at_once(first, [then], view)):
                     return found
         return ()
+
+    def _completed_within(self, text: str, view: StatusView) -> tuple[Sense, ...]:
+        """`Bring it to table one, the tea`: the order of both clauses, where the last has what the first lacks."""
+        clauses = [self.language.normaliser.words(each) for each in self.language.normaliser.clauses(text)]
+        if len(clauses) != 2 or self.language.conditions.begin(clauses[0]):
+            return ()
+        first = self.sentence.senses(clauses[0], view)
+        is_open = is_order(first) or (is_fault(first) and self.sentence.has_pronoun(clauses[0]))
+        if len(first) != 1 or first[0].name != "start" or not is_open:
+            return ()
+        found = self.sentence.half(clauses[1], Draft(first[0], is_asked_for=True), view)
+        is_kept = found is not None and first[0].arguments.items() <= found.arguments.items()
+        return (found,) if found is not None and is_kept and found.kind == "order" else ()
 
     def _corrected_at_once(
         self, first: tuple[Sense, ...], then: Sequence[list[str]], view: StatusView

@@ -82,6 +82,7 @@ class NearestOrders:
         self._asking, self._indefinite = frozenset(data["asking"]), frozenset(data["no_certain"])
         stating = frozenset([*self._language.articles, *data["owners"], *data["pronouns"], *data["subjects"]])
         self._stating = stating - frozenset(data["addressed"])
+        self._past = frozenset(data["past"])
         self._orders = _orders_of(self._language)
         self._missions, self._starts = tuple[MissionView, ...](), list[OrderForm]()
         self._senses = OptionSenses(self._language)
@@ -116,14 +117,19 @@ class NearestOrders:
         is_refused = self._unordered & free or any(map(self._language.excepting.within, bare))
         if not is_short or is_refused or any(map(self._language.conditions.within, bare)):
             return []
-        return [each for each in bare if each and self._may_ask(each)]
+        both = zip(clauses, bare, strict=True)
+        return [each for whole, each in both if each and (self._language.wish.fits(whole) or self._may_ask(each))]
 
     def _may_ask(self, words: list[str]) -> bool:
         """Whether a clause may ask for something: it is a wish or a question, or no statement."""
         if self._language.wish.fits(words) or words[0] in self._asking or self._wanted(words):
             return True
         stated = (slots.get("thing", "").split() for slots in self._language.statement.match(words))
-        return words[0] not in self._stating and all(len(thing) > LONGEST_SUBJECT for thing in stated)
+        return (
+            self._past.isdisjoint(words[1:])
+            and words[0] not in self._stating
+            and all(len(thing) > LONGEST_SUBJECT for thing in stated)
+        )
 
     # -- the values that are named ------------------------------------------------------------------------------------
 

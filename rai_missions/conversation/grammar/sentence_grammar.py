@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import groupby
+from itertools import chain, groupby
 
 from rai_missions.conversation.grammar.corrections import Corrections, Draft
 from rai_missions.conversation.grammar.free_answers import text_option
@@ -95,6 +95,7 @@ class SentenceGrammar:
             return ()
         bare = list(once(normaliser.bare(words, called(view.robot))))
         found = self._first(words, bare, view, draft) or self._indirect(bare, view)
+        found = found or tuple(self._phrases.incomplete(bare, view.missions))
         for mended in self._mended(bare, view) if len(bare) <= MOST_MENDED and is_fault(found or FAULT) else ():
             again = self._first(mended, normaliser.bare(mended, called(view.robot)), view, draft)
             if again and not is_fault(again):
@@ -179,7 +180,8 @@ class SentenceGrammar:
         """
         if not before or self._referring.isdisjoint(words):
             return ()
-        forms = self._forms(words, self.language.normaliser.bare(words, called(view.robot)), view)
+        bare = self.language.normaliser.bare(words, called(view.robot))
+        forms = chain(self._forms(words, bare, view), self._corrections.instead(bare))
         found = (
             self._placed(form, view, before) or self.start_in(form, view, before)
             for form in forms
@@ -234,6 +236,25 @@ class SentenceGrammar:
             found += [each for each in starts if each is not None and self.open_texts(each) == texts][:1]
         return found[0]._replace(is_partial=True) if len(found) == 1 else sense
 
+    def half(self, words: Sequence[str], draft: Draft, view: StatusView) -> Sense | None:
+        """The draft with the values that a half sentence names; None for other talk."""
+        return self._corrections.half(words, draft, view)
+
+    def names(self, words: Sequence[str], sense: Sense, view: StatusView) -> bool:
+        """Whether words are a half sentence whose values are all of a start."""
+        return self._corrections.names(words, sense, view)
+
+    def has_pronoun(self, words: Sequence[str]) -> bool:
+        """Whether a thing is not named in words, but pointed at: `it`."""
+        return not (self._things - self.language.articles).isdisjoint(words)
+
+    def place_in(self, words: Sequence[str]) -> int | None:
+        """The place of which words are but the number, from 0: -1 for `the last one`; None for other words."""
+        ordinals: Mapping[str, int] = self.language.data["ordinals"]
+        places = [ordinals[word] for word in words if word in ordinals and len(word) > 1]
+        is_plain = all(word in ordinals or self._corrections.is_around(word) for word in words)
+        return places[0] - (places[0] > 0) if is_plain and len(places) == 1 else None
+
     def knows(self, word: str) -> bool:
         """Whether a word is in a phrase of the language or of the robot."""
         return word in self._vocabulary
@@ -246,7 +267,7 @@ class SentenceGrammar:
     def _forms(self, words: list[str], bare: list[str], view: StatusView) -> Iterator[list[str]]:
         """What of a sentence may be what is meant, the likeliest first; what is not asked for is not worked out."""
         normaliser, names = self.language.normaliser, called(view.robot)
-        yield from self._with_noun(words, view)
+        yield from self._verb_behind(words, view)
         yield bare
         yield from self._polite(words, names)
         yield words
@@ -262,12 +283,13 @@ class SentenceGrammar:
             for slots in self.language.polite.match(opening):
                 yield self.language.imperative(self.language.normaliser.bare(slots["order"].split(), names))
 
-    def _with_noun(self, words: list[str], view: StatusView) -> Iterator[list[str]]:
-        """The start whose verb is a noun: `wipe the counter` of `give the counter a wipe`."""
+    def _verb_behind(self, words: list[str], view: StatusView) -> Iterator[list[str]]:
+        """The start whose verb is behind its thing: `wipe the hob` of `give the hob a wipe`, `the hob needs wiping`."""
         for opening in self.language.normaliser.openings(words, called(view.robot)):
-            for slots in self.language.nouns_of_verbs.match(opening):
-                form = [*slots["verb"].split(), *slots["thing"].split()]
-                yield from [form] if self.start_in(form, view) else []
+            for slots in self.language.verbs_behind.match(opening):
+                verbs = self.language.verb_stems(slots["verb"].split())
+                forms = ([*verb, *slots["thing"].split()] for verb in verbs)
+                yield from (form for form in forms if self.start_in(form, view))
 
     def _infinitive(self, words: list[str]) -> Iterator[list[str]]:
         """The order that ends with an infinitive, in languages that have such: `in die Küche fahren`; no statement."""
@@ -382,10 +404,11 @@ class SentenceGrammar:
 
     def _corrected(self, words: list[str], view: StatusView, draft: Draft | None) -> list[Sense]:
         """What it has in place of what was ordered: another order, or the draft's with another value."""
-        if self.language.other.fits(words):
-            return [self._corrections.other(draft, view) if draft is not None else Sense("other")]
         if draft is not None and (half := self._corrections.half(words, draft, view)) is not None:
             return [half]
+        draft = None if draft is not None and draft.is_of_another else draft
+        if self.language.other.fits(words):
+            return [self._corrections.other(draft, view) if draft is not None else Sense("other")]
         completed = self._corrections.completed(words, draft, view) if draft is not None else None
         if completed is not None:
             return [completed]

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from rai_missions.conversation.grammar.arguments import BadValue, key_value
 from rai_missions.conversation.grammar.senses import Sense
 from rai_missions.conversation.language.language import Language, spoken
-from rai_missions.conversation.language.phrases import SLOT, AnyPhrase, Phrases, example_of
+from rai_missions.conversation.language.phrases import SLOT, AnyPhrase, Phrases, begun_of, example_of
 from rai_missions.conversation.view import KeyView, MissionView
 from rai_missions.planning.text.normalise import NEAREST as LEAST_MENDED
 from rai_missions.planning.text.normalise import nearest
@@ -52,6 +52,8 @@ class CompiledPhrase(NamedTuple):
     """The same with the verb of its author alone, and none of its sense."""
     words: frozenset[str]
     """Its own words around the values."""
+    begun: Phrases | None
+    """The same without its last value, and the words ahead of that; None where it has but one."""
     keys: frozenset[str]
     """Every argument that it gives."""
     is_value: bool
@@ -116,14 +118,15 @@ class StartPhrases:
 
     def _compiled(self, phrase: str, arguments: Mapping[str, Any]) -> CompiledPhrase:
         phrases = self._language.order_phrases([phrase])
-        two = self._language.with_two_objects(phrase)
+        two = self._language.with_two_objects(phrase, self._names)
         receiver = SLOT.search(two[0]) if two else None
         slots = self._listed(() if receiver is None else (receiver[1],))
         each = [NOUN.sub(r"[\1] {\1}", one) for one in (phrase, *two)]
         listed = self._language.order_phrases(each, slots)
         keys, is_value = arguments_of(phrases.slots, arguments), example_of(phrase) == VALUE
         own, words = self._language.own_phrases([phrase]), frozenset(WORD.findall(SLOT.sub(" ", phrase)))
-        return CompiledPhrase(phrases, listed, phrase, arguments, own, words, keys, is_value)
+        begun = self._language.order_phrases([part], slots) if (part := begun_of(phrase)) else None
+        return CompiledPhrase(phrases, listed, phrase, arguments, own, words, begun, keys, is_value)
 
     def _listed(self, receivers: Collection[str]) -> Mapping[str, str]:
         """The regular expressions of the values that an argument lists, and of one who receives what has an article.
@@ -183,6 +186,24 @@ class StartPhrases:
         """
         is_one = self._openings.fits(words)
         return self._fitting(words, missions, [each for each in self._each if is_one and not each.is_value], before)
+
+    def incomplete(self, words: Sequence[str], missions: Sequence[MissionView]) -> Iterator[Sense]:
+        """The start whose last value the words lack, `escort the guest` of `escort {person} to {door}`, as a fault."""
+        for mission in missions:
+            keys, texts = mission.keys, self._texts(mission.keys)
+            for each in (one for one in self._each if one.begun is not None and one.keys <= keys.keys()):
+                last = SLOT.findall(each.phrase)[-1]
+                for slots in each.begun.match(words) if each.begun is not None and last in keys else ():
+                    sense = self._start(mission, slots, each, ())
+                    if sense.kind == "order" and texts.isdisjoint(slots):
+                        yield sense._replace(kind="fault", fault=self._asked_for(last), lacks=(last,))
+                        return
+
+    def _asked_for(self, argument: str) -> str:
+        """The question which value an argument is to have."""
+        name, known = self._language.name_of(argument), [spoken(each) for each in self.choices(argument)]
+        values = self._language.listed(known, "or")
+        return self._language.text("correct_from" if known else "correct", name=name, values=values)
 
     def valued(self, words: Sequence[str], missions: Sequence[MissionView]) -> Iterator[Sense]:
         """The starts that a value alone is: `the kitchen`."""

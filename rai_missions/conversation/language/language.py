@@ -9,12 +9,14 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache, cached_property, lru_cache
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 from rai_missions.conversation.language.language_faults import language_faults
 from rai_missions.conversation.language.phrases import (
     NO_SLOTS,
+    SLOT,
     AnyPhrase,
     Phrases,
     around_object,
@@ -78,16 +80,18 @@ class Language(LanguageTexts):
             rf"(?:{'|'.join(data['two_objects']['joints'])}) (?P<receiver>(?:\[[^]{{}}]*\] )?\{{\w+\}})(?P<end>.*)"
         )
         """A phrase with a verb, a thing, and for whom it is."""
+        self._may_lack = re.compile(rf"\[((?:{'|'.join(data['two_objects']['joints'])}) (?:\[[^\]]*\] )?{{\w+}})\]")
+        """For whom it is, where a sentence may lack it: `[to {person}]`."""
         self.orders, self.warnings, self.questions = map(self._named_phrases, ("orders", "warnings", "questions"))
         self.any_order = AnyPhrase(each.pattern for each in self.orders.values())
         """The phrases of all orders."""
         self.yes, self.no, self.quiet, self.withdraw = map(self._phrases, ("yes", "no", "quiet", "withdraw"))
-        self.again, self.other = self._phrases("again"), self._phrases("other")
+        self.again, self.other, self.forgetting = map(self._phrases, ("again", "other", "forgetting"))
         self.correction, self.rejected = self._phrases("correction"), self._phrases("rejected")
         self.start, self.answer = self._phrases("start"), self._phrases("answer")
         self.argument, self.with_values = self._phrases("argument"), self._phrases("with_values")
         self.polite, self.indirect = self._phrases("polite"), self._phrases("indirect")
-        self.relayed, self.nouns_of_verbs = self._phrases("relayed"), self._phrases("nouns_of_verbs")
+        self.relayed, self.verbs_behind = self._phrases("relayed"), self._phrases("verbs_behind")
         self.reasons = re.compile(rf"(?<![,\s])[,\s]+{data['reason_pattern']}[^,.;:!?–—]*", re.IGNORECASE)
         """What begins with a word for a reason, up to the next sign, with what is ahead of it."""
         self.reason_joints, self.on_the_way = self._phrases("reason_joints"), self._phrases("on_the_way")
@@ -163,6 +167,19 @@ class Language(LanguageTexts):
                 return [*begun.split(), *rest, *end.split()]
         return list(words)
 
+    def verb_stems(self, words: Sequence[str]) -> Iterator[list[str]]:
+        """What a verb may be in an order, itself first: `scan` of `scanning`, `wasch` and `wasche` of `gewaschen`."""
+        yield list(words)
+        yield self.imperative(words)
+        *before, verb = words
+        parts = product(self.data["verb_prefixes"], self.data["verb_endings"])
+        for prefix, ending in parts:
+            if not (verb.startswith(prefix) and verb.endswith(ending)):
+                continue
+            stem = verb.removeprefix(prefix).removesuffix(ending)
+            twice = [stem[:-1]] * (stem[-2:-1] == stem[-1:])
+            yield from ([*before, each] for each in (stem, f"{stem}e", *twice) if len(each) > 1)
+
     def may_quote(self, text: str) -> bool:
         """Whether a text may have the words of others: in quotation marks, or behind a colon."""
         return QUOTING in text or self.normaliser.is_quoting(text)
@@ -201,14 +218,20 @@ class Language(LanguageTexts):
         """See `order_phrases`; the same profile is compiled for each of its conversations."""
         return Phrases((way for phrase in phrases for way in self._with_verbs(phrase)), self.parts, dict(slots))
 
-    def with_two_objects(self, phrase: str) -> list[str]:
+    def with_two_objects(self, phrase: str, listed: Collection[str] = ()) -> list[str]:
         """The phrase with whom something is for ahead of it, `bring {person} {item}` of `bring {item} to {person}`.
 
-        Empty where its verb has no such form, or it has no one for whom something is.
+        Empty where it has no one for whom something is, or where its verb has no such form and one of both is free.
+
+        Args:
+            phrase: Of the profile.
+            listed: The arguments that list their values: what is which is known by its words, whatever the verb is.
         """
-        found = self._two_objects.fullmatch(phrase)
-        verbs = set(self.data["two_objects"]["verbs"])
-        if found is None or verbs.isdisjoint(re.findall(r"\w+", found["verb"])):
+        found = self._two_objects.fullmatch(self._may_lack.sub(r"\1", phrase))
+        if found is None:
+            return []
+        is_listed = set(SLOT.findall(found["thing"] + found["receiver"])) <= set(listed)
+        if not is_listed and set(self.data["two_objects"]["verbs"]).isdisjoint(re.findall(r"\w+", found["verb"])):
             return []
         return [f"{found['verb']}{found['receiver']} {found['thing']}{found['between']}{found['end']}"]
 

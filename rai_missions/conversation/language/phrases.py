@@ -16,8 +16,8 @@ from functools import cached_property
 from rai_missions.errors import UsageError
 
 __all__ = (
-    "AROUND", "NO_SLOTS", "SLOT", "AnyPhrase", "Phrases", "around_object", "example_of", "examples_of", "in_one_piece",
-    "part_of_verb", "parts_of", "slots_of",
+    "AROUND", "NO_SLOTS", "SLOT", "AnyPhrase", "Phrases", "around_object", "begun_of", "example_of", "examples_of",
+    "in_one_piece", "part_of_verb", "parts_of", "slots_of",
 )  # fmt: skip
 
 ATOM = re.compile(r"[()\[\]|*$]|\{(\w+)\}|<(\w+)>|[^\s()\[\]|{}<>*$]+")
@@ -125,6 +125,12 @@ def around_object(forms: Iterable[str], rest: str) -> list[str]:
     ends = dict.fromkeys((thing.end(), len(rest)))
     pieces = (form.split(AROUND, 1) for form in forms if AROUND in form)
     return [f"{begin} {rest[:end]} {last} {rest[end:]}" for begin, last in pieces for end in ends]
+
+
+def begun_of(phrase: str) -> str:
+    """A phrase up to its last slot but one: `escort {person}` of `escort {person} to {door}`; empty for none."""
+    *_, last, _ = [0, 0, *(slot.end() for slot in SLOT.finditer(phrase))]
+    return phrase[:last] if last and not _malformed(phrase[:last]) else ""
 
 
 def example_of(phrase: str) -> str:
