@@ -44,6 +44,17 @@ def _roots(paths: frozenset[str]) -> frozenset[str]:
     return frozenset(path.partition(".")[0] for path in paths)
 
 
+@lru_cache(maxsize=REMEMBERED)
+def _looked_at(paths: frozenset[str], known: frozenset[str]) -> frozenset[str]:
+    return _roots(paths) | known
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _around(paths: frozenset[str]) -> frozenset[str]:
+    """What these paths lead through."""
+    return frozenset(path[:at] for path in paths for at, letter in enumerate(path) if letter == ".")
+
+
 def _root(word: str) -> str:
     """The key that a word is about."""
     return word.removeprefix(KNOWN).partition(".")[0]
@@ -112,16 +123,16 @@ class Later(NamedTuple):
     @property
     def roots(self) -> frozenset[str]:
         """The keys that something may look at."""
-        return _roots(self.keys) | self.known
+        return _looked_at(self.keys, self.known)
 
     def part(self, path: str, value: Mapping[str, Any]) -> Mapping[str, Any]:
         """What may be read of an object."""
         if path in self.keys:
             return value
-        found = {}
+        found, around = {}, _around(self.keys)
         for field, each in value.items():
             inner = f"{path}.{field}"
-            if inner in self.keys or any(each.startswith(f"{inner}.") for each in self.keys):
+            if inner in self.keys or inner in around:
                 found[field] = self.part(inner, each) if isinstance(each, Mapping) else each
         return found
 
