@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 
 from rai_missions.conversation import Dialogue, Order, Output, Utterance
-from tests.conversation.test_robots import ordered, robot
+from tests.conversation.judged import ordered
+from tests.conversation.test_robots import robot
 
 
 def after(name: str, *texts: str) -> tuple[Output, ...]:

@@ -9,8 +9,9 @@ from typing import Any
 import pytest
 
 from rai_missions.conversation import Dialogue, Speech, TalkNote, Utterance
+from tests.conversation.judged import ordered
 from tests.conversation.test_half_sentences import after, arguments
-from tests.conversation.test_robots import ordered, robot
+from tests.conversation.test_robots import robot
 
 
 @pytest.mark.parametrize(("name", "text", "asked", "half", "expected"), [

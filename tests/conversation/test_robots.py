@@ -9,8 +9,8 @@ Every other sentence was read while the rules were written, the first of each tw
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from functools import cache
+from collections.abc import Iterator, Mapping
+from functools import cache, partial
 from typing import Any
 
 import pytest
@@ -20,25 +20,18 @@ from rai_missions.conversation import (
     KeyView,
     MissionView,
     Order,
-    Output,
     Settings,
-    Speech,
     StatusView,
     TalkNote,
     Utterance,
 )
-from rai_missions.conversation.grammar.grammar import Grammar
-from rai_missions.conversation.language.language import language
 from rai_missions.engine.decision import Offer, Question
+from tests.conversation.judged import is_meant, ordered
 from tests.conversation.stored import read
 
 SETS: Mapping[str, Mapping[str, Any]] = {"first": read("robots.json"), "second": read("robots_second.json")}
 ROBOTS: Mapping[str, Any] = {name: given for each in SETS.values() for name, given in each.items()}
 KINDS = ("orders", "questions", "answers", "stops", "harmless")
-SENSES = {
-    "state": ("doing", "mission", "happened", "progress"), "where": ("where", "key"), "why": ("why_stopped", "waits"),
-    "can": ("capabilities", "places"), "who": ("who",), "progress": ("time_left", "progress"), "options": ("options",),
-}  # fmt: skip
 
 
 def value_of(at: int, kind: str) -> Any:
@@ -78,45 +71,6 @@ def asking(name: str) -> StatusView:
     return robot(name)[1]._replace(questions=(question,), confirm=frozenset((1, each) for each in given["confirm"]))
 
 
-def ordered(found: Sequence[Output]) -> list[Mapping[str, Any]]:
-    """The orders that are given out, or else those of the first that is read back or offered."""
-    given = [
-        {"order": each.name, "arguments": each.arguments, "option": each.option}
-        for each in found
-        if isinstance(each, Order)
-    ]
-    backs = [each.data["order"] for each in found if isinstance(each, TalkNote) and each.kind == "read_back"]
-    return [*given, *(part for back in backs[:1] for part in (back, *back.get("then", ())))]
-
-
-def is_start(order: Mapping[str, Any], expected: str) -> bool:
-    """Whether an order has what is named: `start task=go ward=lab`."""
-    words, values = expected.split(), dict[str, str]()
-    for each in words[1:]:
-        name, sign, value = each.strip("()").partition("=")
-        values |= {name: value} if sign else {list(values)[-1]: f"{values[list(values)[-1]]} {name}"}
-    given = order.get("arguments", {})
-    return order["order"] == words[0] and all(str(given.get(name)) == value for name, value in values.items())
-
-
-def is_meant(name: str, text: str, expected: str, found: Sequence[Output], view: StatusView) -> bool:
-    """Whether what came of a sentence is what was meant."""
-    orders, (first, _, what) = ordered(found), expected.partition(" ")
-    if first in ("nothing", "asks"):
-        return not orders if first == "nothing" else not any(each["order"] == "answer" for each in orders)
-    if first == "option":
-        return bool(orders) and orders[0].get("option") == what
-    if first in ("start", "stop", "pause", "resume", "cancel"):
-        each = expected.split(" ; ")
-        return len(orders) == len(each) and all(map(is_start, orders, each))
-    spoken = " ".join(each.text for each in found if isinstance(each, Speech))
-    if first == "key":
-        return any(is_answered(name, key, spoken) for key in what.split(" or key ")) and not orders
-    grammar = Grammar(language(ROBOTS[name].get("language", "en")))
-    senses = (*grammar.senses(text, view), grammar.question_by_sense(text, view))
-    return next((each.name for each in senses if each is not None), "") in SENSES[first]
-
-
 def is_answered(name: str, key: str, spoken: str) -> bool:
     """Whether the value of a key was spoken, and of what is true or false its name, or no other fact."""
     at, kind = next((at, each[1]) for at, each in enumerate(ROBOTS[name]["keys"]) if each[0] == key)
@@ -131,10 +85,8 @@ def rights(name: str, kind: str) -> Iterator[bool]:
     for text, expected in ROBOTS[name]["sets"][kind]:
         view = asking(name) if kind == "answers" else working
         view = view._replace(mode="paused") if expected == "resume" else view
-        dialogue = Dialogue(settings, view)
-        yield is_meant(
-            name, text, expected, dialogue.on_utterance(Utterance(text, "operator", "terminal", "Eve", 9.0), view), view
-        )
+        found = Dialogue(settings, view).on_utterance(Utterance(text, "operator", "terminal", "Eve", 9.0), view)
+        yield is_meant(text, expected, found, view, settings.language, partial(is_answered, name))
 
 
 MODES = {"start": "running", "resume": "running", "stop": "paused", "pause": "paused"}
@@ -142,7 +94,7 @@ LEAST = {
     ("first", "orders"): (60, 47), ("first", "questions"): (37, 30), ("first", "answers"): (22, 21),
     ("first", "stops"): (20, 20), ("first", "harmless"): (38, 33), ("first", "dialogues"): (40, 33),
     ("second", "orders"): (46, 37), ("second", "questions"): (37, 31), ("second", "answers"): (25, 22),
-    ("second", "stops"): (20, 20), ("second", "harmless"): (29, 28), ("second", "dialogues"): (72, 52),
+    ("second", "stops"): (20, 20), ("second", "harmless"): (29, 28), ("second", "dialogues"): (72, 53),
 }  # fmt: skip
 """Those that are read right, of the half that was read and of the other."""
 
@@ -165,7 +117,7 @@ def turns(dialogue: Mapping[str, Any]) -> Iterator[bool]:
         elif first.startswith("what was"):
             yield "read_back" not in notes
         else:
-            yield is_meant(dialogue["robot"], text, first, found, view)
+            yield is_meant(text, first, found, view, settings.language, partial(is_answered, dialogue["robot"]))
         if given and given[-1] in MODES:
             view = view._replace(mode=MODES[given[-1]], awaits_start=False)
             talk.on_status(view, 6.0 * at + 0.5)

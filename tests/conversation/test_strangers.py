@@ -15,17 +15,14 @@ from rai_missions.conversation import (
     Dialogue,
     KeyView,
     MissionView,
-    Order,
     Output,
     Speech,
     StatusView,
-    TalkNote,
     Utterance,
 )
-from rai_missions.conversation.grammar.grammar import Grammar
-from rai_missions.conversation.language.language import language
 from rai_missions.engine.decision import Offer, Question
 from rai_missions.profile import load_profile
+from tests.conversation.judged import is_meant, ordered
 from tests.conversation.stored import read
 
 SETS = read("strangers.json")
@@ -34,10 +31,6 @@ GERMAN = (
     "Küche", "Wohnzimmer", "Schlafzimmer", "Büro", "Flur", "Tisch", "Regal", "Sofa", "Schreibtisch", "Theke",
 )  # fmt: skip
 NAMES = {"en": {each: each for each in SPOTS}, "de": dict(zip(GERMAN, SPOTS, strict=True))}
-OBJECTS = {
-    "cup": "tasse", "plant": "pflanze", "chair": "stuhl", "book": "buch", "bottle": "flasche", "keys": "schlüssel",
-    "remote": "fernbedienung",
-}  # fmt: skip
 OWN = settings_of(load_profile("missions/rosbot/robot.sim.json").conversation)
 PHRASES = {
     "en": {**OWN.phrases, "[do|make] [a|your] patrol": {"task": "patrol"}},
@@ -92,22 +85,16 @@ VIEWS = {
     ),
 }
 """The run in which sentences of a kind were written; the other kinds have `VIEW`."""
-TASKS = {"back": "come_back"}
-STATE = {
-    "state": ("doing", "mission", "happened", "progress"), "found": ("result", "happened", "count", "where_is"),
-    "where": ("where",), "why": ("why_stopped", "waits"), "can": ("capabilities", "places"), "battery": ("key",),
-    "long": ("time_left", "since", "progress"), "next": ("queued",), "done": ("happened", "progress", "result"),
-}  # fmt: skip
-NONE = "none"
+NONE = ("nothing", "no stop")
 LEAST = {
-    ("first", "house", "en"): (24, 18, 10, 9), ("first", "house", "de"): (14, 12, 5, 5),
+    ("first", "house", "en"): (25, 18, 10, 9), ("first", "house", "de"): (15, 12, 5, 5),
     ("first", "stop", "en"): (18, 12, 12, 13), ("first", "stop", "de"): (10, 9, 9, 9),
     ("first", "answers", "en"): (13, 12, 6, 6), ("first", "answers", "de"): (5, 8, 4, 3),
     ("first", "state", "en"): (16, 13, 0, 0),
-    ("second", "house", "en"): (18, 17, 6, 9), ("second", "house", "de"): (10, 11, 7, 3),
+    ("second", "house", "en"): (18, 18, 6, 9), ("second", "house", "de"): (10, 11, 7, 3),
     ("second", "stop", "en"): (10, 15, 14, 8), ("second", "stop", "de"): (12, 8, 8, 10),
     ("second", "answers", "en"): (11, 9, 7, 5),
-    ("second", "tractor", "en"): (15, 9, 3, 9), ("second", "tractor", "de"): (8, 8, 5, 2),
+    ("second", "tractor", "en"): (15, 9, 3, 9), ("second", "tractor", "de"): (8, 9, 5, 2),
     ("second", "state", "en"): (20, 15, 0, 0), ("second", "state", "de"): (12, 10, 0, 0),
 }  # fmt: skip
 """Those that mean something and are read right, of the half that was read and of the other; then the harmless ones."""
@@ -122,45 +109,17 @@ def outputs(code: str, texts: list[str], view: StatusView) -> Iterator[tuple[Out
         yield dialogue.on_utterance(Utterance(text, "operator", "terminal", "Eve", 1_000.0 * at), view)
 
 
-def is_ordered(found: tuple[Output, ...], expected: str, code: str) -> bool:
-    """Whether the first order that is given out, read back or offered is what was meant."""
-    read_back = [each.data["order"] for each in found if isinstance(each, TalkNote) and each.kind == "read_back"]
-    given = [each for each in found if isinstance(each, Order)]
-    names = [each.name for each in given] + [each["order"] for each in read_back]
-    arguments = [{**each.arguments} for each in given] + [each.get("arguments", {}) for each in read_back]
-    options = [each.option for each in given] + [each.get("option", "") for each in read_back]
-    task, _, what = expected.partition(" ")
-    if task == NONE or not names:
-        return task == NONE and not names
-    if names[0] == "answer":
-        return bool(options[0] == task)
-    if names[0] == "pause":
-        return task == "wait"
-    if arguments[0].get("task") != TASKS.get(task, task):
-        return False
-    if task == "find":
-        return (what if code == "en" else OBJECTS[what]) in arguments[0].get("object", "")
-    return task not in ("go", "look") or arguments[0].get("place") == what
-
-
 def rights(who: str, kind: str, code: str) -> Iterator[bool]:
     """Whether each sentence of a set is read right."""
-    texts, expected = zip(*SETS[who][kind][code], strict=True)
-    if kind == "state":
-        grammar = Grammar(language(code))
-        for text, name in zip(texts, expected, strict=True):
-            found = (*grammar.senses(text, VIEW), grammar.question_by_sense(text, VIEW))
-            yield next((each.name for each in found if each is not None), "") in STATE[name]
-        return
-    for found, name in zip(outputs(code, list(texts), VIEWS.get(kind, VIEW)), expected, strict=True):
-        is_stop = any(isinstance(each, Order) and each.name == "stop" for each in found)
-        yield is_stop == (name == "stop") if kind == "stop" else is_ordered(found, name, code)
+    view, (texts, expected) = VIEWS.get(kind, VIEW), zip(*SETS[who][kind][code], strict=True)
+    for text, meant, found in zip(texts, expected, outputs(code, list(texts), view), strict=True):
+        yield is_meant(text, meant, found, view, code)
 
 
 def halves(who: str, kind: str, code: str) -> list[int]:
     """How many are read right of each half, as `LEAST` has them."""
     expected = [name for _, name in SETS[who][kind][code]]
-    rows = [(is_right, name == NONE) for is_right, name in zip(rights(who, kind, code), expected, strict=True)]
+    rows = [(is_right, name in NONE) for is_right, name in zip(rights(who, kind, code), expected, strict=True)]
     return [
         sum(is_right for is_right, none in rows[at::2] if none == is_none) for is_none in (False, True) for at in (0, 1)
     ]
@@ -178,8 +137,5 @@ def test_as_many_sentences_of_a_stranger_are_read_right_as_before(who: str, kind
 ])  # fmt: skip
 def test_an_order_is_no_other_order_by_a_part_of_its_words(text: str, order: str) -> None:
     (found,) = outputs("en", [text], VIEW)
-    read_back = [
-        each.data["order"]["order"] for each in found if isinstance(each, TalkNote) and each.kind == "read_back"
-    ]
-    assert [*read_back, *(each.name for each in found if isinstance(each, Order))] == [order] * bool(order)
+    assert [each["order"] for each in ordered(found)] == [order] * bool(order)
     assert not any("no value" in each.text for each in found if isinstance(each, Speech))
