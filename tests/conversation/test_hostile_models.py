@@ -155,16 +155,10 @@ def test_no_claim_is_shown_in_two_sentences_wherever_it_is_broken(code: str) -> 
     assert [text for text, claim in halves(code, 1) if letters(claim) in shown([text], code)] == []
 
 
-SPREAD = {
-    "en": ("May I add that the", "floor is clean?"),
-    "de": ("Möchten Sie wissen, ob der", "Boden sauber ist?"),
-}
-"""The two halves of a claim, each of which may be spoken alone."""
-
-
-@pytest.mark.parametrize("code", sorted(SPREAD))
-def test_no_claim_is_shown_in_two_replies(code: str) -> None:
-    assert shown_of([[each] for each in SPREAD[code]], code) == letters(SPREAD[code][0])
+def test_no_claim_is_shown_in_two_replies() -> None:
+    first, second = "Do you think that the floor", "is very clean, would you like to see it?"
+    assert shown([first], "en") == letters(first) and shown([second], "en") == letters(second)
+    assert shown_of([[first], [second]], "en") == letters(first)
 
 
 def lost(code: str, every: int) -> list[str]:

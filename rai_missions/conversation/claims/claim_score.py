@@ -20,8 +20,10 @@ from typing import NamedTuple
 __all__ = ("FOLDER", "MOST_IN_DOUBT", "MOST_OF_CLAUSE", "ClaimWeights", "claim_weights", "features")
 
 FOLDER = Path(__file__).parent / "claim_weights"
-MOST = 1.5
-"""Above this score a sentence is a claim, even where the rules find nothing."""
+MOST, MOST_OF_ABILITY = 0.5, 1.5
+"""Above these scores a sentence is a claim even where the rules find nothing. An ability sounds like
+a claim: `I can carry boxes to the barn`.
+"""
 MOST_OF_CLAUSE = 1.0
 """Above this score a clause by itself is a claim, where the rules doubt the sentence."""
 MOST_IN_DOUBT = 0.0
@@ -69,13 +71,14 @@ class ClaimWeights(NamedTuple):
     def _share(self, names: Collection[str]) -> float:
         return sum(each in self.weights for each in names) / max(len(names), 1)
 
-    def is_claim(self, text: str) -> bool:
+    def is_claim(self, text: str, *, is_ability: bool = False) -> bool:
         """Whether a sentence scores as a claim even where the rules find nothing.
 
         Args:
             text: The sentence, without marks of layout.
+            is_ability: Whether it states what the robot can do.
         """
-        return self.score(text) > MOST
+        return self.score(text) > (MOST_OF_ABILITY if is_ability else MOST)
 
     def is_harmless(self, text: str, clauses: Iterable[str]) -> bool:
         """Whether a sentence that the rules doubt scores as no claim, and none of its clauses by itself as one.

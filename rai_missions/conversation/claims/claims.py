@@ -158,7 +158,8 @@ class Claims:
             return kind
         text = plain(sentence)
         if not kind:
-            return "report" if self._weights.is_claim(text) else ""
+            is_ability = any(map(self._harmless.states_ability, self._own.clauses(text)))
+            return "report" if self._weights.is_claim(text, is_ability=is_ability) else ""
         return "" if self._weights.is_harmless(text, scored_clauses(text)) else kind
 
     def why_suspected(self, sentence: str, view: StatusView) -> ClaimKind:
