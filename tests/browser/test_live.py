@@ -46,6 +46,7 @@ def lit(window: Any) -> set[str]:
     return set(window.evaluate("[...document.querySelectorAll('.state.active')].map((each) => each.dataset.state)"))
 
 
+@pytest.mark.long
 def test_the_states_light_up_as_the_run_enters_them_and_the_row_taken_fades(run: Run, look: Look) -> None:
     window = look(run.page, reduced_motion="reduce")
     window.wait_for_selector("[data-state=driving].active", state="attached")
@@ -141,6 +142,7 @@ def test_a_page_that_receives_nothing_states_it_and_its_ages_run_on(run: Run, lo
     assert window.inner_text("#silence") == ""
 
 
+@pytest.mark.long
 def test_an_order_reports_at_once_that_it_is_sent_and_then_what_became_of_it(look: Look) -> None:
     sink = OrderBox()
     with Run(tractor(), sink) as run:

@@ -115,6 +115,7 @@ def test_a_person_at_a_terminal_asks_edits_the_line_orders_and_confirms(mission:
     assert {"heard", "read_back", "confirmed", "ordered", "spoken"} <= set(kinds)
 
 
+@pytest.mark.long
 def test_ctrl_c_on_the_line_cancels_the_mission(mission: Path) -> None:
     with terminal(mission) as screen:
         screen.until("has started")

@@ -168,6 +168,7 @@ def lost(code: str, every: int) -> list[str]:
     return [each for each in every_one if letters(each) not in shown([f"{before} {each}\n- {after}"], code)]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("code", sorted(QUESTION))
 def test_few_harmless_sentences_are_replaced_among_others(code: str) -> None:
     assert len(lost(code, 3)) <= MOST_FALSE * len(CLAIMS["harmless"][code][::3]), lost(code, 3)

@@ -135,7 +135,7 @@ def play(script: Sequence[tuple[int, float, str, str]]) -> None:
         confirmed += bool(expected.confirmed)
 
 
-test_what_is_open_belongs_to_whom_the_design_names = settings(max_examples=100, deadline=None)(given(turns)(play))
+test_what_is_open_belongs_to_whom_the_design_names = settings(max_examples=60, deadline=None)(given(turns)(play))
 test_what_is_open_belongs_to_whom_the_design_names_often = drill(
     play, turns, tried=settings(max_examples=5_000, deadline=None)
 )

@@ -89,7 +89,7 @@ def holds(code: str, message: Message) -> None:
         assert is_refused or part in given or any(each in spoken for each in named), (text, part, spoken)
 
 
-TRIED = settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+TRIED = settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 @TRIED

@@ -5,12 +5,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from rai_missions.cli.main import main
 from tests.test_docs import ROOT, blocks
 
 PROFILE = str(ROOT / "missions/desk/robot.sim.json")
 
 
+@pytest.mark.long
 def test_the_mission_of_the_guide_has_no_fault_and_succeeds(tmp_path: Path) -> None:
     guide = (ROOT / "docs/guide/desk.md").read_text(encoding="utf-8")
     shown = next(each.text for each in blocks(guide) if each.kind == "json" and '"format"' in each.text)

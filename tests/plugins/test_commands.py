@@ -38,6 +38,8 @@ ON_JOURNALS = ("replay {}.journal", "watch {}.journal", "run --resume {}.journal
 ON_ROBOTS = ("check mission.json --robot {}", "doctor --robot {}", "run bare.json --no-operator --robot {}")
 WHOLE = {"textconv": "shows a file that it cannot read as it is", "verify": "looks at hashes alone"}
 """Commands that need no package, and why."""
+SLOW = ("doctor", "campaign run")
+"""Commands that start processes of their own."""
 NAMES = {
     "mission.json": "orchard_kinds",
     "asking.json": "orchard_kinds",
@@ -75,7 +77,12 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize(
     ("command", "file", "is_installed"),
-    [(*case, there) for case in CASES for there in (True, False) if not (there and case[0].startswith("watch"))],
+    [
+        pytest.param(*case, there, marks=[pytest.mark.long] * case[0].startswith(SLOW))
+        for case in CASES
+        for there in (True, False)
+        if not (there and case[0].startswith("watch"))
+    ],
 )
 def test_each_command_takes_each_sort_of_kind_or_refuses_it_by_name(
     command: str,

@@ -83,6 +83,7 @@ def leaves_nothing(own: str, theirs: str, cuts: list[int]) -> int:
 CUTS = st.lists(st.integers(1, 30), min_size=1, max_size=3)
 
 
+@pytest.mark.long
 def test_no_piece_of_a_secret_is_in_what_a_killed_run_leaves() -> None:
     assert leaves_nothing(secret_of(3, 300, 0.1), secret_of(4, 2_001, 0.1), [20]) == 1
 

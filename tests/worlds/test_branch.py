@@ -65,6 +65,7 @@ def plans(draw: Any) -> Plan:
     return plan
 
 
+@pytest.mark.long
 @settings(max_examples=EXAMPLES, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True)
 @given(seed=st.integers(0, 99), kind=KINDS, plan=plans(), at=st.integers(0, 240), over=st.booleans())
 def test_a_branch_is_a_replay_from_the_start(seed: int, kind: str, plan: Plan, at: int, over: bool) -> None:

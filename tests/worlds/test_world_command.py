@@ -20,6 +20,7 @@ def graph(tmp_path: Path) -> Iterator[Graph]:
     yield from graph_in(tmp_path, Graph)
 
 
+@pytest.mark.long
 @on_ros
 @pytest.mark.sim
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

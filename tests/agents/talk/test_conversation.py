@@ -503,6 +503,7 @@ def test_an_order_that_was_sent_long_ago_does_not_count_and_a_stop_does() -> Non
         assert talk.rig.runner.view.mode == "running"
         send("pause", "pause", ago_s=-600.0)  # its sender's clock is ahead: it came now
         talk.until(lambda: talk.rig.runner.view.mode == "paused")
+        settle(talk.agent)  # the conversation learns of it a moment later
         send("resume", "resume", ago_s=0.0)
         talk.until(lambda: talk.rig.runner.view.mode == "running")
         send("stop", "Stop.", ago_s=600.0)

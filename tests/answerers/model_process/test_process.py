@@ -146,6 +146,7 @@ def test_one_that_crashes_is_started_again_for_the_next_attempt(mark: str) -> No
     assert watched.result.outcome == "canceled", "the fallback"
 
 
+@pytest.mark.long
 def test_one_that_holds_its_interpreter_s_lock_is_replaced(mark: str, tmp_path: Path) -> None:
     """The first attempt is lost; the second one meets another process."""
     agent = DecisionAgent(ModelProcess(f"hostile:holds_once:{tmp_path / 'held'}"))

@@ -372,6 +372,7 @@ def test_an_interrupt_that_shuts_ros_down_loses_goals_and_answers_calls(peer: An
     assert (done.returncode, done.stdout, done.stderr) == (0, "unavailable unavailable\n", "")
 
 
+@pytest.mark.long
 def test_a_call_whose_client_is_made_while_ros_is_shut_down_is_unavailable(peer: Any) -> None:
     done = program(
         f"""

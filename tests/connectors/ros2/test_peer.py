@@ -137,6 +137,7 @@ def test_fifty_goals_at_once_are_all_pursued_and_all_canceled(ours: Any, peer: P
     assert [end_of(reports)[-1] for _, reports in slow] == ["canceled"] * 4
 
 
+@pytest.mark.long
 def test_goals_are_lost_when_their_server_is_killed(open_ros: Open, own_peer: Peer) -> None:
     connector = open_ros()
     _, running = start(connector, own_peer, RUN)
@@ -199,6 +200,7 @@ def test_a_call_that_is_not_answered_is_timed_out_once(ours: Any, peer: Peer) ->
     assert reply == Reply("timed_out", {}, "/peer/hang has not answered within 0.5 s")
 
 
+@pytest.mark.long
 def test_a_call_whose_server_dies_ends_without_any_timeout(open_ros: Open, own_peer: Peer) -> None:
     connector, replies = open_ros(), Inbox[Reply]()
     connector.call(f"/{own_peer.name}/hang", TRIGGER, {}, on_reply=replies)

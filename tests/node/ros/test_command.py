@@ -73,6 +73,7 @@ def test_a_managed_node_runs_the_mission_again_and_again_until_it_is_shut_down(
     assert out.count("canceled: canceled by operator (~/cancel)") == 2
 
 
+@pytest.mark.long
 def test_an_interrupt_cancels_what_runs_and_shuts_a_managed_node_down(
     run: Run, open_client: Callable[[str], Client]
 ) -> None:
@@ -93,6 +94,7 @@ def test_arguments_that_ros_does_not_take_are_reported_at_once(run: Run) -> None
     assert process.returncode == 2 and "ROS does not start with ['-r', 'nonsense']" in err, err
 
 
+@pytest.mark.long
 def test_parameters_of_a_launch_file_are_arguments_and_an_unknown_one_ends_the_command(
     run: Run, open_client: Callable[[str], Client], tmp_path: Path
 ) -> None:
