@@ -81,15 +81,11 @@ class Corrections:
         joints = self._repeating if draft.is_of_another else self._joining
         is_open = draft.is_read_back or draft.is_asked_for or not joints.isdisjoint(words)
         orders = (draft.sense.orders or (draft.sense,)) if is_half and is_open else ()
-        made = [self._half(words, draft._replace(sense=order), view) for order in orders]
-        if sum(each is not None for each in made) != 1:
-            return None
-        both = zip(made, orders, strict=True)
-        return joined([each or order for each, order in both])._replace(is_correction=draft.is_read_back)
+        return _with_one(orders, [self._half(words, draft._replace(sense=order), view) for order in orders], draft)
 
     def names(self, words: Sequence[str], sense: Sense, view: StatusView) -> bool:
         """Whether words are a half sentence whose values are all of a start: `the lobby` of `patrol the lobby`."""
-        found = list(self._values_in(words, sense, view)) if sense.name == "start" else []
+        found = list(self._values_in(words, sense, view))
         return bool(found) and all(each is not None and sense.arguments.get(each.name) == each.value for each in found)
 
     def is_around(self, word: str) -> bool:
@@ -97,7 +93,7 @@ class Corrections:
         return word in self._around
 
     def _half(self, words: Sequence[str], draft: Draft, view: StatusView) -> Sense | None:
-        found = list(self._values_in(words, draft.sense, view)) if draft.sense.name == "start" else []
+        found = list(self._values_in(words, draft.sense, view))
         if not found or None in found:
             return None
         named = [each for each in found if each is not None]
@@ -110,7 +106,9 @@ class Corrections:
         return self._with(draft, values) if is_other else None
 
     def _values_in(self, words: Sequence[str], sense: Sense, view: StatusView) -> Iterator[NamedPart | None]:
-        """Each value that words name, in its turn, and None for each word that a half sentence has not."""
+        """Each value that words name for a start, in its turn, and None for each word that a half sentence has not."""
+        if sense.name != "start":
+            return
         keys, plain = self._keys(sense, view), self._phrases.of_kind(sense.arguments)
         names = dict.fromkeys((*sense.lacks, *sense.named, *sense.arguments, *sorted(plain.slots)))
         given = [keys[name] for name in names if name in keys]
@@ -154,10 +152,8 @@ class Corrections:
         orders = draft.sense.orders
         found = [self._corrected(words, draft._replace(sense=order), view) for order in orders]
         made = [each if each is not None and each.kind == "order" else None for each in found]
-        if sum(each is not None for each in made) != 1:
-            return Sense("fault", "start", fault=self._language.text("correct_whole")) if any(found) else None
-        both = zip(made, orders, strict=True)
-        return joined([each or order for each, order in both])._replace(is_correction=draft.is_read_back)
+        fault = Sense("fault", "start", fault=self._language.text("correct_whole")) if any(found) else None
+        return _with_one(orders, made, draft) or fault
 
     def _corrected(self, words: Sequence[str], draft: Draft, view: StatusView) -> Sense | None:
         sense = draft.sense
@@ -260,3 +256,11 @@ class Corrections:
             except BadValue as error:
                 fault = str(error)
         return sense._replace(kind="fault", fault=fault)
+
+
+def _with_one(orders: Sequence[Sense], made: Sequence[Sense | None], draft: Draft) -> Sense | None:
+    """The orders of a draft with the one that was made in the place of its own; None unless it is one."""
+    if sum(each is not None for each in made) != 1:
+        return None
+    both = zip(made, orders, strict=True)
+    return joined([each or order for each, order in both])._replace(is_correction=draft.is_read_back)
