@@ -133,11 +133,9 @@ class RequestQueue:
         Args:
             at: Its place, from 0.
         """
-        kept = [each for place, each in enumerate(self._waiting) if place != at]
-        self._waiting = deque([self._waiting[at]])
-        self.drop("requests_withdrawn")
-        self._waiting.extend(kept)
-        self.note_any()
+        request = self._waiting[at]
+        del self._waiting[at]
+        self._report_dropped([request], "requests_withdrawn")
 
     def drop(self, form: str, asked: Sequence[str] = ()) -> None:
         """All are dropped; every channel is informed.
@@ -148,13 +146,17 @@ class RequestQueue:
         """
         if not self._waiting and not asked:
             return
-        language = self._talk.language
-        requests = language.listed([*asked, *self.words])
-        for each in self._waiting:
-            self._talk.note("dropped", order=order_data(each.sense))
+        requests = [*self._waiting]
         self._waiting.clear()
+        self._report_dropped(requests, form, asked)
+
+    def _report_dropped(self, requests: Sequence[JudgedOrder], form: str, asked: Sequence[str] = ()) -> None:
+        for each in requests:
+            self._talk.note("dropped", order=order_data(each.sense))
         self.note()
-        self._speaking.speak(language.text(form, requests=requests), priority="question")
+        language = self._talk.language
+        listed = language.listed([*asked, *(each.words for each in requests)])
+        self._speaking.speak(language.text(form, requests=listed), priority="question")
 
 
 def order_data(sense: Sense) -> dict[str, object]:
