@@ -49,7 +49,7 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
         *({name: paths} for name, paths in found.items() if paths),
         {"Reference": [{name: f"reference/{name}.md"} for name in packages()]},
         {"Schemas": [{f"{name.capitalize()} file": f"schemas/{name}.md"} for name in SCHEMAS]},
-        {"Inside": [*INSIDE, "decisions/index.md", "testing/README.md"]},
+        {"Inside": [*INSIDE, "decisions/README.md", "testing/README.md"]},
         {"Changelog": "changelog.md"},
     ]
     return config
@@ -60,7 +60,6 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
     made = {place: (ROOT / source).read_text("utf-8") for source, place in PAGES.items()}
     made |= {f"reference/{name}.md": reference(name, modules) for name, modules in packages().items()}
     made |= {f"schemas/{name}.md": schema_page(name) for name in SCHEMAS}
-    made["decisions/index.md"] = _index("Decisions", ROOT / "docs/decisions")
     for place, text in made.items():
         files.append(File.generated(config, place, content=text))
     waiting = [(_source(file.src_uri), file.content_string) for file in files.documentation_pages()]
@@ -210,9 +209,3 @@ def _cell(text: str) -> str:
 
 def _anchor(title: str) -> str:
     return re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")
-
-
-def _index(title: str, folder: Path) -> str:
-    """A page with a line for each page of a folder, by its heading."""
-    pages = ((path, path.read_text("utf-8").partition("\n")[0].lstrip("# ")) for path in sorted(folder.glob("*.md")))
-    return "\n".join((f"# {title}", "", *(f"- [{heading}]({path.name})" for path, heading in pages)))

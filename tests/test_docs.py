@@ -253,10 +253,18 @@ def test_a_decision_has_a_noun_as_title() -> None:
     verbs = re.compile(r"\b(what|is|are|was|has|have|does|do|can|may|must|matters?)\b", re.IGNORECASE)
     titles = {
         path.name: path.read_text(encoding="utf-8").partition("\n")[0]
-        for path in (ROOT / "docs/decisions").glob("*.md")
+        for path in (ROOT / "docs/decisions").glob("[0-9]*.md")
     }
     assert [title for name, title in titles.items() if not title.startswith(f"# {name[:4]} ")] == []
     assert [title for title in titles.values() if verbs.search(title)] == []
+
+
+def test_a_decision_has_a_line_in_the_list_of_its_folder() -> None:
+    folder = ROOT / "docs/decisions"
+    listed = re.findall(
+        r"^- \[(\d{4})\]\((\1-[^)]+)\): \S", (folder / "README.md").read_text(encoding="utf-8"), re.MULTILINE
+    )
+    assert sorted(name for _, name in listed) == sorted(path.name for path in folder.glob("[0-9]*.md"))
 
 
 def test_nothing_installs_this_package_by_a_name_on_an_index() -> None:
