@@ -87,7 +87,7 @@ class Event(NamedTuple):
     """The number of the start or question that this answers; a late one is known by it."""
 
     def moved(self, at: float) -> Event:
-        """The same at another time; `_replace` takes three times as long."""
+        """The event at another time; `_replace` takes three times as long."""
         return Event(self.name, at, self.data, self.kind, self.number)
 
 

@@ -131,7 +131,7 @@ def given_names(given: Any, taker: str, of: str) -> Mapping[str, Any]:
     """A mapping of names to what they name; see `check_given`.
 
     Args:
-        given: It.
+        given: What was given.
         taker: The function, or its argument.
         of: What the names are mapped to: `values`.
 

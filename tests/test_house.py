@@ -19,6 +19,9 @@ from tests.rigs.sources import nodes, parsed
 ROOT = Path(__file__).parents[1]
 OURS = ("rai_missions", "visualize")
 FOLDERS = (*OURS, "missions", "benchmarks", "tests")
+POINTS_BACK = re.compile(r"(?:The same|Its?|They|Those|That|Of|So (?:much|many)|All but)\b")
+"""How a docstring begins that is read only after another one."""
+ITSELF = re.compile(r" +\w+: It\.$")
 LICENCE = "# SPDX-License-Identifier: Apache-2.0"
 
 
@@ -56,6 +59,25 @@ def test_every_file_begins_with_its_licence_and_its_role(folder: str) -> None:
             faults.append(f"{name}:1: begin with {LICENCE!r}")
         if not docstring_of(text).strip():
             faults.append(f"{name}:2: give the room's role in a docstring")
+    assert faults == []
+
+
+@pytest.mark.parametrize("folder", OURS)
+def test_a_docstring_begins_with_what_it_explains(folder: str) -> None:
+    faults = [
+        f"{name}:{node.lineno}: {first!r}: name what is meant; a reader may have seen nothing of what is above"
+        for name, text in files(folder)
+        for node in nodes(parsed(text))
+        if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
+        for first in (ast.get_docstring(node) or "").splitlines()[:1]
+        if POINTS_BACK.match(first)
+    ]
+    faults += [
+        f"{name}: {line.strip()!r}: an argument is described by its noun"
+        for name, text in files(folder)
+        for line in text.splitlines()
+        if ITSELF.match(line)
+    ]
     assert faults == []
 
 

@@ -155,7 +155,7 @@ def escaped(given: str) -> str:
 
 
 def described(given: str) -> str:
-    """The same for a state with nothing inside, whose text is read as Markdown once its numbers are characters again.
+    """The text of a state with nothing inside, which Mermaid reads as Markdown once its numbers are characters again.
 
     No backslash helps against a formula (`$$`) or an icon (`:fa-`); a word joiner does, which no one sees.
     """

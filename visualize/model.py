@@ -69,12 +69,12 @@ class Twig(NamedTuple):
     mark: Mark = ""
 
     def numbered(self, sign: str = "") -> str:
-        """Its number, if it has one, and what it does: `2. → sequence` with a sign."""
+        """The node's number, if it has one, and what it does: `2. → sequence` with a sign."""
         return f"{self.number}. {sign}{self.text}" if self.number else f"{sign}{self.text}"
 
     @property
     def leaf(self) -> bool:
-        """It does something itself; the other nodes arrange."""
+        """Whether the node does something itself; the others arrange."""
         return self.kind in ("action", "call", "check", "wait_s", "set", "publish", "decision")
 
 
@@ -197,7 +197,7 @@ class Picture:
 
     @property
     def title(self) -> str:
-        """Its name and version; of two missions, both versions."""
+        """The mission's name and version; of two missions, both versions."""
         return f"{self.name} {f'{self.compared} → ' if self.compared else ''}{self.version}"
 
     @property

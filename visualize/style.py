@@ -110,7 +110,7 @@ def width(text: str, size: float, *, bold: bool = False) -> float:
 
 
 def _advance(character: str) -> float:
-    """Of one character, in ems."""
+    """The advance of one character, in ems."""
     if character in ADVANCES:
         return ADVANCES[character]
     if unicodedata.category(character) in ("Mn", "Me", "Cf"):

@@ -33,7 +33,7 @@ class AgentHealth(NamedTuple):
 
     @property
     def lives(self) -> bool:
-        """It works, or is about to."""
+        """Whether the agent works, or is about to."""
         return self.state in ("ready", "running")
 
     @property

@@ -81,7 +81,7 @@ class OtherMissions:
         return tuple(sorted(each for each in common if each.commands))
 
     def news(self, own: RunClaim, rivals: Iterable[RunClaim]) -> tuple[RunClaim, ...]:
-        """Those of the rivals that this run has not named yet; they count as named now."""
+        """The rivals that this run has not named yet; they count as named now."""
         pairs = {(own.run, each.instance, each.run): each for each in rivals}
         new = [pair for pair in pairs if pair not in self._named]
         self._named.extend(new)

@@ -95,7 +95,7 @@ class AgentRunner:
 
     @property
     def connectors(self) -> Mapping[str, Connector]:
-        """Those of each agent, by its name and what each is for."""
+        """The connectors of all agents: `agent/what it is for` → connector."""
         return {f"{each.name}/{name}": found for each in self._watched for name, found in each.connectors.items()}
 
     def run(self) -> None:

@@ -101,7 +101,7 @@ def digest(value: Any) -> str:
 
 @cache
 def code_digest() -> str:
-    """Of the code through which a scene becomes a question and an answer a verdict: every file of those packages."""
+    """The digest of all code through which a scene becomes a question and an answer a verdict."""
     found = hashlib.sha256()
     paths = [path for package in CODE for path in sorted((PACKAGE / package).rglob("*.py"))]
     for path in (*paths, *(PACKAGE / module for module in MODULES)):

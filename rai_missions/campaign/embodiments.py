@@ -38,7 +38,7 @@ class RobotView(NamedTuple):
 
 
 def embodiment_digest(name: str, identity_folder: Path | None) -> str:
-    """Of the files that an embodiment shows; empty where it shows none.
+    """The digest of the files that an embodiment shows; empty where it shows none.
 
     Args:
         name: One of `EMBODIMENTS`.

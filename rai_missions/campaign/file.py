@@ -137,7 +137,7 @@ class CampaignFile(MissionModel):
         return budget
 
     def replaced(self, models: Iterable[str]) -> CampaignFile:
-        """The same campaign with other models."""
+        """This campaign with other models."""
         return CampaignFile.model_validate(with_models(self.written(), list(models)))
 
 

@@ -39,7 +39,7 @@ class LoadedCampaign(NamedTuple):
 
     @property
     def digest(self) -> str:
-        """Of what the answers depend on beyond scene, model, embodiment and code: mission, profile and arguments."""
+        """The digest of what else answers depend on: mission, profile and arguments."""
         mission, robot = self.subject.mission.written(), self.subject.robot.written()
         return digest(
             {

@@ -60,7 +60,7 @@ def provider_of(model: str) -> str:
 
 
 def model_digest(model: str, file: CampaignFile, robot: Robot) -> str:
-    """Of what an answerer's answers depend on beyond its name.
+    """The digest of what an answerer's answers depend on beyond its name.
 
     Args:
         model: Its name.

@@ -130,7 +130,7 @@ class LocalPool:
             yield record
 
     def _after_death(self, worker: PoolWorker) -> Iterator[TaskRecord]:
-        """Another worker does what one that died has left."""
+        """Give what a dead worker has left to another worker."""
         self._workers.remove(worker)
         task, deaths = worker.task, worker.deaths + 1
         if task is None or self._is_stopped:

@@ -54,7 +54,7 @@ class Branchable(Protocol):
     def close(self) -> None: ...
 
     def branch(self) -> Any:
-        """Another world where this one is, to the bit."""
+        """A copy of the world in its present state, exact to the bit."""
 
     def harm(self) -> str:
         """What took harm so far, in words; empty: nothing."""

@@ -52,7 +52,7 @@ def scene(world: str, seed: int) -> SceneRecord:
 
 
 def scenes(world: str, count: int, first_seed: int = 0) -> tuple[SceneRecord, ...]:
-    """So many scenes, no two alike, of the seeds from the first on; a seed that repeats another's scene is left out.
+    """Generated scenes, no two alike; a seed that repeats another's scene is left out.
 
     Args:
         world: Which world's.

@@ -257,7 +257,7 @@ class ResultStore:
         return map(QuestionRecord._make, self._read("SELECT * FROM question ORDER BY scene, embodiment"))
 
     def pictures(self, scene: str) -> dict[str, bytes]:
-        """Those of a scene: name → PNG."""
+        """The pictures of a scene: name → PNG."""
         return dict(self._read("SELECT name, png FROM picture WHERE scene = ?", scene))
 
     def cells(self) -> Iterator[CellRecord]:

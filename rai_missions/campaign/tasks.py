@@ -56,7 +56,7 @@ class SceneTask(NamedTuple):
     """Whether its labels are wanted, too."""
 
     def without(self, keys: set[str]) -> SceneTask:
-        """The same task without the cells that are done."""
+        """This task without the cells that are done."""
         return self._replace(cells=tuple(each for each in self.cells if each[0] not in keys))
 
 

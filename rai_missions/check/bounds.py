@@ -51,7 +51,7 @@ def _waits_elsewhere(user: Effect | State | TreeNode) -> bool:
 
 
 def _timed(spot: StateRef) -> bool:
-    """It is left after a while: by its timeout, or by a transition that nothing but time decides."""
+    """Whether a state is left after a while: by its timeout, or by a transition that only time decides."""
     transitions = (transition.definition for transition in spot.transitions)
     return spot.state.timeout_s is not None or any(
         transition.after_s is not None and transition.when is None and bool(transition.to) for transition in transitions

@@ -137,7 +137,7 @@ class _Sources:
 
 
 def _origin(index: MissionIndex, path: str) -> Origin:
-    """Of the key that a path means; a key that there is not is another rule's fault, and not two."""
+    """The origin of the key that a path means; another rule reports a key that does not exist."""
     name = key_of(index, path)
     return STRANGER if path.startswith(("event.", "answer.")) else origins(index).get(name or "", ROBOT)
 

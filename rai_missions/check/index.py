@@ -48,7 +48,7 @@ class StateRef:
         return other is None or other.index < self.index <= other.last
 
     def upward(self) -> Iterator[StateRef]:
-        """It and its ancestors, innermost first."""
+        """This state and its ancestors, innermost first."""
         here: StateRef | None = self
         while here is not None:
             yield here

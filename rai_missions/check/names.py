@@ -72,7 +72,7 @@ def _literal(index: MissionIndex, value: Any, place: str) -> Found:
 
 
 def _is_like_from(word: str) -> bool:
-    """It is `from` with its letters in another order, or one too few or too many, or what guards have in its place."""
+    """Whether a word is a misspelt `from` (letters swapped, missing or added), or `key`, which guards use instead."""
     return word != "from" and (
         word == "key" or sorted(word) == sorted("from") or bool(difflib.get_close_matches(word, ["from"], cutoff=0.8))
     )

@@ -84,7 +84,7 @@ def _taken_at_once(index: MissionIndex, spot: StateRef) -> list[TransitionRef]:
 
 
 def _at_once(index: MissionIndex, spot: StateRef) -> Iterable[str]:
-    """Its outcomes that take no time, and that nothing which the mission counts or waits for ends."""
+    """The outcomes of a state that take no time, and that no counter and no waiting of the mission ends."""
     if spot.state.reports_robot:
         return ("rejected",)
     asked = spot.state.question()
@@ -102,7 +102,7 @@ def _is_of_robot(index: MissionIndex, guard: Guard) -> bool:
 
 
 def rival_actions(index: MissionIndex) -> Found:
-    """Of two actions in regions of one parallel, one handles `rejected`: they may need the same of the robot."""
+    """Two actions in regions of one parallel may need the same of the robot, and only one handles `rejected`."""
     used = ((use, use.scope.owner) for use in index.uses if use.sort == "action")
     places = {spot: use.named_at for use, spot in used if spot is not None and use.user is spot.state}
     if not places:

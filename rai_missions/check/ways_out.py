@@ -49,7 +49,7 @@ class FreeTransitions:
         return self._found
 
     def _look_on(self) -> Iterator[Lead]:
-        """Those that were not looked at so far; how many are needed, the caller knows."""
+        """The ways out that were not looked at so far, found one by one as the caller needs them."""
         for transition in self._rest:
             if transition.definition.to and _can_fire(self._index, transition, self._outcomes):
                 targets = {self._index.spot(name) for name in transition.definition.to}
@@ -64,7 +64,7 @@ class FreeTransitions:
         return any(only is not spot for only in self._different) or any(only is not spot for _, only in self._look_on())
 
     def of(self, spot: StateRef) -> Iterator[TransitionRef]:
-        """Those that lead away from a state, in order."""
+        """The transitions that lead away from a state, in order."""
         return (transition for transition, only in self.found if only is not spot)
 
 
@@ -101,7 +101,7 @@ class WaysOut:
         return self._freeing(None, _in_parallel(spot)).free(spot)
 
     def first_of_mission(self, spot: StateRef, most: int) -> list[TransitionRef]:
-        """Those, as many of them."""
+        """The first transitions of the mission itself that lead out of a state, so many at most."""
         return list(itertools.islice(self._freeing(None, _in_parallel(spot)).of(spot), most))
 
     def leads(self, spot: StateRef, leads_on: Callable[[TransitionRef], bool]) -> bool:

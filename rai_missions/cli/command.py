@@ -90,12 +90,12 @@ class Parameter(NamedTuple):
 
     @property
     def flag(self) -> str:
-        """Its name on the command line."""
+        """The option's name on the command line."""
         return self.name if self.argument.is_positional else f"--{self.name.rstrip('_').replace('_', '-')}"
 
     @property
     def flags(self) -> list[str]:
-        """Its names on the command line; none where it is given without a name."""
+        """The option's names on the command line; none where it is given without a name."""
         return [] if self.argument.is_positional else [*filter(None, [self.argument.short]), self.flag]
 
     @property
@@ -135,7 +135,7 @@ class Parameter(NamedTuple):
         return parser.add_argument(*self.flags, help=shown, **words)
 
     def value(self, given: Any, parser: argparse.ArgumentParser) -> Any:
-        """Its value, of what a parser has read; exits with 2 where there are several of an option that has one."""
+        """The option's value, of what a parser has read; exits with 2 where it has several and may have one."""
         if not isinstance(given, list):
             return given
         if not self.has_one_value:

@@ -68,7 +68,7 @@ def load_guards(path: str | None, *, python: bool = True) -> dict[str, Callable[
 
 
 def program_hashes(**files: str | None) -> dict[str, str]:
-    """Those of the files that are in Python, by what they are of → the SHA-256 of their bytes, in hex."""
+    """The hashes of those files that are Python: what the file is for → the SHA-256 of its bytes, in hex."""
     import hashlib
 
     from rai_missions.mission.json_reader import file_bytes

@@ -93,7 +93,7 @@ class Screen(Lines):
             self._show(self._foot(step.at))
 
     def _is_for_a_person(self, question: Question) -> bool:
-        """It is asked on this terminal, by its own prompt."""
+        """Whether a question is asked on this terminal, by its own prompt."""
         return question.asked == "operator" and bool(self._persons)
 
     def _release(self) -> None:

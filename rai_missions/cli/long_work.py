@@ -37,7 +37,7 @@ class WorkPace:
         """`total`: what there is to do, or was found so far; 0 where it is not known yet."""
 
     def set(self, done: int, total: int) -> None:
-        """So much is done, of so much."""
+        """Set how much is done, and of how much."""
         self.done, self.total = done, total
 
     @property

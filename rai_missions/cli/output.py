@@ -125,7 +125,7 @@ class BufferedStream:
         return len(text)
 
     def flush(self) -> None:
-        """It goes out as soon as it is taken."""
+        """Pass on what this thread has begun to write; nothing waits here."""
         self._pass_on(self._begun.pop(get_ident(), ""))
 
     def settle(self) -> None:

@@ -255,12 +255,12 @@ class Lines:
         self._print(f"{'':13}question {question.number} to {answerer_words(question.asked)}{again}", "question")
 
     def _is_shown_below(self, step: Step, effect: Effect) -> bool:
-        """It is a question whose lines follow: the next attempt, or one that no one here can answer."""
+        """Whether an effect is a question whose lines follow: the next attempt, or one for an absent answerer."""
         is_next = step.event.kind == "proposal" and not step.moves and isinstance(effect, Ask)
         return is_next or self._is_vain(effect)
 
     def _is_vain(self, effect: Effect) -> bool:
-        """It asks one who cannot answer in this run, which the head of the run has once."""
+        """Whether an effect asks an answerer that is absent in this run; the head of the run names it once."""
         return isinstance(effect, Ask) and effect.question.asked in self._absent
 
     def _verdicts(self, step: Step, words: tuple[str, ...]) -> None:

@@ -195,7 +195,7 @@ def _limits(proof: Proof) -> Iterable[str]:
 
 
 def as_json(mission: Mission, proof: Proof, journals: dict[str, Any]) -> dict[str, Any]:
-    """The same for programs."""
+    """A proof as JSON, for programs."""
     claims = [
         {
             "claim": each.name,

@@ -233,7 +233,7 @@ class Connector(Protocol):
 
     @property
     def running(self) -> bool:
-        """It was started and not stopped since."""
+        """Whether the connector was started, and not stopped since."""
 
     def start(self) -> None:
         """Open; a connector that was stopped can be started again."""

@@ -68,7 +68,7 @@ class LocalConnector:
 
     @property
     def running(self) -> bool:
-        """It was started and not stopped since."""
+        """Whether the connector was started, and not stopped since."""
         return self._running
 
     def start(self) -> None:

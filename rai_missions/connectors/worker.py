@@ -79,7 +79,7 @@ class Worker:
 
     @property
     def is_alive(self) -> bool:
-        """Its thread runs."""
+        """Whether the worker's thread runs."""
         return self._thread is not None and self._thread.is_alive()
 
     def start(self) -> None:

@@ -18,7 +18,7 @@ ABILITIES = ("adopt_goal", "conclude", "definition", "expect", "offered", "param
 
 
 class ConnectorWrapper:
-    """Another connector, some methods of which a subclass replaces; a `Connector`.
+    """A `Connector` around another one, of which a subclass replaces some methods.
 
     The methods of the one inside become attributes, so that a check for an ability finds what the one inside has, and
     nothing else.

@@ -95,7 +95,7 @@ class Utterance(NamedTuple):
 
     @property
     def without_secrets(self) -> Utterance:
-        """The same without the secrets of this process, and without what no grammar reads."""
+        """A copy without the secrets of this process, and without what no grammar reads."""
         readings = tuple(cut(each, LONGEST_READ) for each in self.readings)
         return self._replace(text=cut(self.text, LONGEST_READ), readings=readings)
 
@@ -105,7 +105,7 @@ class Utterance(NamedTuple):
 
     @property
     def unnumbered(self) -> Utterance:
-        """The same, for what goes to its speaker later, without being an answer."""
+        """A copy for what its speaker receives later, without being an answer."""
         return self._replace(number=0)
 
     @property

@@ -53,7 +53,7 @@ class MissionView(NamedTuple):
 
     @property
     def keys(self) -> Mapping[str, KeyView]:
-        """Its arguments by their names."""
+        """The mission's arguments by their names."""
         return {key.name: key for key in self.arguments}
 
 

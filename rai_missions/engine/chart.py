@@ -94,7 +94,7 @@ class Chart(ChartView):
         return chart
 
     def branch(self) -> Chart:
-        """Another chart where this one is: what happens to either from now on changes nothing in the other."""
+        """A copy of this chart in its present state: what happens to either later changes nothing in the other."""
         return ChartBranch(self)
 
     # -- steps ----------------------------------------------------------------------------------------------------

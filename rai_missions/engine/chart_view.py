@@ -69,12 +69,12 @@ class ChartView:
 
     @property
     def unstarted(self) -> bool:
-        """It has neither been started nor ended: `ready`, or paused before its start."""
+        """Whether the run has neither been started nor ended: `ready`, or paused before its start."""
         return self._state.mode == "ready"
 
     @property
     def held_back(self) -> bool:
-        """It was paused before its start, and not resumed: it does not begin by itself."""
+        """Whether the run was paused before its start, and not resumed: it does not begin by itself."""
         return self._state.held_back
 
     @property
@@ -84,7 +84,7 @@ class ChartView:
 
     @property
     def active_in_order(self) -> tuple[str, ...]:
-        """The same in the order of the mission's text; its other states are not looked at."""
+        """The names of the active states in the order of the mission's text, found without a look at the others."""
         nodes = self._program.graph.nodes
         return tuple(sorted(self._state.active, key=lambda name: nodes[name].index))
 
@@ -126,7 +126,7 @@ class ChartView:
 
     @property
     def questions(self) -> tuple[Question, ...]:
-        """Those that are open, the oldest first, each with the time that it has by now."""
+        """The open questions, the oldest first, each with the time that it has by now."""
         found = (each for _, _, activity in live(self._program, self._state) for each in questions_in(activity))
         return tuple(sorted(found, key=lambda question: question.number))
 

@@ -128,9 +128,9 @@ def _resume(program: Program, state: RunState) -> None:
 
 
 def resync(program: Program, state: RunState, event: Event) -> None:
-    """Another process continues: what the robot reported to the one before is forgotten, if it can grow stale at all.
+    """Let another process continue: what the robot reported to the one before is forgotten if it can grow stale.
 
-    It comes before time continues: nothing is stale that was received again.
+    This comes before time continues: nothing is stale that was received again.
     """
     state.present = float(event.data.get("present", max(event.at, state.at)))
     keys, board, received = program.keys, state.board, event.data.get("heard", {})

@@ -142,7 +142,7 @@ class CompiledMission:
         """A guard compiled for a place; the states whose age it asks for are clocked from now on.
 
         Args:
-            guard: It.
+            guard: As the mission has it.
             place: Its JSON pointer.
             state: Whose it is.
             counts: Which of its values counts there.
@@ -165,7 +165,7 @@ class CompiledMission:
         return self.configured(nodes, tuple(sorted(around, key=lambda node: node.index)))
 
     def configured(self, atomic: tuple[CompiledState, ...], order: tuple[CompiledState, ...]) -> Configuration:
-        """The same of all that is active with them, both in document order."""
+        """The one `Configuration` of these innermost states and of all active states, both in document order."""
         found = self._configurations.get(atomic)
         if found is None:
             if len(self._configurations) >= max(CONFIGURATIONS, 4 * len(self.order)):

@@ -100,7 +100,7 @@ class Configuration:
 
     @cached_property
     def key(self) -> tuple[int, ...]:
-        """The same for each configuration of these states, also of another chart."""
+        """The indices of the innermost states: equal for equal configurations, also those of another chart."""
         return tuple(map(_index, self.atomic))
 
     def is_active(self, node: CompiledState) -> bool:
@@ -135,7 +135,7 @@ class Configuration:
         return plan
 
     def _chains(self, event: str | None, *, declared: bool) -> Plan:
-        """The same, or without an event the transitions that need none; worked out once for each innermost state."""
+        """The transitions that an event may fire, or those that need no event: one chain an innermost state."""
         found = [_chain(node, event, declared=declared) for node in self.atomic]
         return tuple([chain for chain in found if chain])
 
@@ -159,7 +159,7 @@ class Configuration:
 
 
 def inside(nodes: tuple[CompiledState, ...], domain: CompiledState | None) -> tuple[CompiledState, ...]:
-    """Those of some states in document order that are inside another; none are inside none."""
+    """The states inside a domain, of some in document order; empty without a domain."""
     if domain is None:
         return ()
     first, end = (bisect_right(nodes, index, key=_index) for index in (domain.index, domain.last))
@@ -183,7 +183,7 @@ def exchanged(
 
 
 def innermost(order: tuple[CompiledState, ...], nodes: Iterable[CompiledState]) -> list[CompiledState]:
-    """Those of some states that are among others in document order, with none of these inside them."""
+    """The given states that occur in `order` and contain no other state of it; both are in document order."""
     found, end = [], len(order)
     for node in nodes:
         at = bisect_left(order, node.index, key=_index)

@@ -91,7 +91,7 @@ class Question(NamedTuple):
         return self.owner.partition("#")[0]
 
     def apart(self) -> Question:
-        """The same question with values of its own, for the answerer."""
+        """A copy for the answerer, which shares no value with the question."""
         options = tuple(offer._replace(parameters=apart(offer.parameters)) for offer in self.options)
         evidence = tuple(each._replace(value=apart(each.value)) for each in self.evidence)
         return self._replace(options=options, evidence=evidence)

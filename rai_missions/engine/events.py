@@ -47,7 +47,7 @@ def handle(program: Program, state: RunState, event: Event) -> None:
 
 
 def handle_before_start(program: Program, state: RunState, event: Event) -> None:
-    """The same before the start."""
+    """Let an event do what it does before the start of the mission."""
     if event.kind == "write":
         _receive_early(program, state, event)
     elif event.kind == "control":

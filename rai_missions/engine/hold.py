@@ -75,7 +75,7 @@ def live(program: Program, state: RunState) -> Iterator[tuple[str, Machine, Any]
 
 
 def awake(program: Program, state: RunState) -> Iterator[tuple[str, Machine, Any]]:
-    """Those of them whose state is not held."""
+    """The activities that run in states that are not held, each with its machine and state."""
     if not state.frozen:
         return live(program, state)
     nodes = program.graph.nodes

@@ -29,7 +29,7 @@ class WatchedNames(AbstractSet[str]):
         self.names, self.trees = names, trees
 
     def with_tree(self, tree: RunningTree) -> WatchedNames:
-        """The same once a tree that runs in a state has come further."""
+        """These names with a tree's state replaced by a later one."""
         trees = self.trees
         if len(trees) == 1:
             return WatchedNames(self.names, (tree,))

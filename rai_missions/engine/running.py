@@ -239,7 +239,7 @@ def reads(program: Program, state: RunState) -> AbstractSet[str]:
 
 
 def _watched(program: Program, state: RunState, found: frozenset[str]) -> AbstractSet[str]:
-    """These names and those that the running activities ask for."""
+    """The given names, and those that the running activities ask for."""
     trees = list[RunningTree]()
     for name, machine, activity in live(program, state) if state.running else ():
         if isinstance(machine, TreeMachine):

@@ -346,7 +346,7 @@ def refuse(state: RunState, refusal: Refusal, why: str) -> None:
 
 
 def copied(state: RunState) -> RunState:
-    """Another of the same run, which later steps of either do not change in the other."""
+    """A copy of a run's state: a later step of either changes nothing in the other."""
     made = RunState(*_in_order((*map(dict.copy, _dicts(state)), *_rest(state))))
     made.ask, made.outdated = state.ask, state.outdated
     return made

@@ -39,7 +39,7 @@ class SentTemplate:
         self._template = ValueTemplate(written, Site(site.place, site.keys, site.state))
 
     def fill(self, view: View) -> FilledTemplate:
-        """It with the values of now."""
+        """The template filled with the values of now."""
         value, unknown = self._template.fill(view)
         fields = dict(value) if isinstance(value, Mapping) else {}
         if unknown:

@@ -237,7 +237,7 @@ class Graph(CompiledMission):
         return sorted([each for each in inner if each.is_each], key=lambda each: each.index)
 
     def around(self, targets: Iterable[CompiledState], domain: CompiledState, memory: Memory) -> EnteredStates:
-        """These states, what contains them up to the domain, and what is entered inside them by default."""
+        """All states that are entered with some targets: those around them up to the domain, and defaults inside."""
         entered = EnteredStates()
         self._into(targets, domain, entered, memory)
         return entered

@@ -26,7 +26,7 @@ def keep(program: Program, state: RunState, event: Event) -> None:
 
 
 def keep_trigger(program: Program, state: RunState, trigger: Trigger) -> None:
-    """The same for what only the transitions of held states name, wherever it came from."""
+    """Have a trigger wait for the hand-back: only transitions of held states name it."""
     keep(program, state, event_of(state, trigger))
 
 

@@ -29,7 +29,7 @@ def asked_at_once(guard: Guard, test: Test, site: Site, counts: Truth) -> Test:
     """A guard that looks into one key of a site; one that is left open is asked for its truth, and not for each field.
 
     Args:
-        guard: It.
+        guard: As it is written.
         test: As it is compiled.
         site: Where.
         counts: Which of its values counts there.

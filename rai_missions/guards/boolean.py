@@ -22,7 +22,7 @@ __all__ = ("All", "Any_", "Not")
 
 
 def _flat(word: str) -> AfterValidator:
-    """Of guards; a nested one of the same kind counts as its members, once each was read in its place."""
+    """A validator that puts the members of a nested guard of the same kind in its place, once each was read."""
 
     def flatten(given: tuple[Guard, ...]) -> tuple[Guard, ...]:
         return tuple(each for guard in given for each in (guard.inner() if guard.word == word else (guard,)))
@@ -49,7 +49,7 @@ class _Junction(Guard):
         return conjunction([guard.compiled(site, counts) for guard in self._by_key(site)], deciding=self.deciding)
 
     def _by_key(self, site: Site) -> Iterator[Guard]:
-        """Its parts; those that look into one key are one."""
+        """The parts of this guard; those that look into one key are joined into one."""
         found: dict[str, list[Guard]] = {}
         for at, guard in enumerate(self.inner()):
             key = guard.looked_into()

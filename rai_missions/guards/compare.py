@@ -208,7 +208,7 @@ class Compare(Guard, word="key"):
         return Atom("compare", self.key, op, _hashable(operand), self.other)
 
     def rests(self, sources: Sources, *, wanted: bool = True) -> bool:
-        """It does if none of the author's own constants would do."""
+        """Whether the guard rests on the robot: it does if no constant of the author would make it hold."""
         if self.other == self.key:
             return False
         if any(sources.is_robots(path) for path in self.paths()):
@@ -253,7 +253,7 @@ def _plain(key: str, apply: Callable[[Any, Any], Any], value: Any, *, equality: 
 
 
 def _number(key: str, apply: Callable[[Any, Any], Any], value: float, *, equality: bool) -> Test:
-    """The same against a number."""
+    """The test of a comparison with a number."""
 
     def test(view: View) -> Truth:
         board = view.board
@@ -269,7 +269,7 @@ def _number(key: str, apply: Callable[[Any, Any], Any], value: float, *, equalit
 
 
 def _is_flag(key: str, value: bool) -> Test:
-    """The same for a key that is a boolean, and nothing else."""
+    """The test of a boolean key against true or false."""
 
     def test(view: View) -> Truth:
         board = view.board

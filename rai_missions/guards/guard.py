@@ -62,7 +62,7 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
         return frozenset()
 
     def after_jump(self, active: Callable[[str], Truth], *, restarted: bool) -> Truth:
-        """Its value right after a jump by the configuration alone; None where facts decide.
+        """The guard's value right after a jump, by the configuration alone; None where facts decide.
 
         Args:
             active: Whether a state is active then.
@@ -132,7 +132,7 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
         return (guard for _, guard in self.inside())
 
     def walk(self) -> Iterator[Guard]:
-        """It and all the guards inside it, outermost first."""
+        """This guard and all the guards inside it, outermost first."""
         yield self
         for guard in self.inner():
             yield from guard.walk()
@@ -241,7 +241,7 @@ def form_of(guard: Guard, wanted: bool, depth: int) -> Form:
 
 
 def text_of(guard: Guard) -> str:
-    """The same for guards that are written the same; one that is too deep to be written is only itself."""
+    """The text of a guard, equal for guards that are written alike; one that is nested too deep equals only itself."""
     if sum(1 for _ in itertools.islice(guard.walk(), DEEP)) == DEEP:
         return f"{id(guard)}"
     return json.dumps(guard.written(), sort_keys=True, default=str)

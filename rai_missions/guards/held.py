@@ -49,7 +49,7 @@ class Held(Guard, word="held"):
         return self.for_s
 
     def form(self, wanted: bool, depth: int) -> Form:
-        """It is true now, and has been for so long: in Kleene's logic the same as the guard itself."""
+        """The inner guard is true now, and has been for so long: in Kleene's logic the same as the guard itself."""
         long = Atom("compare", f"<held {text_of(self.held)}>", ">=" if wanted else "<", self.for_s)
         return Junction("all" if wanted else "any", (long, form_of(self.held, wanted, depth)))
 

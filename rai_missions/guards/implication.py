@@ -39,7 +39,7 @@ def implies(one: Form, other: Form) -> bool:
 
 
 def _implies(one: Form, other: Form, known: dict[tuple[int, int], bool]) -> bool:
-    """The same for short forms; `known` remembers pairs, for nested ones would be compared over and over."""
+    """Whether one short form implies another; `known` holds the pairs found so far, as nested ones recur."""
     pair = (id(one), id(other))
     if pair not in known:
         known[pair] = _worked_out(one, other, known)

@@ -99,12 +99,12 @@ class Site:
         """Which value of the guard in hand counts: its two others make no difference there. None: each counts."""
 
     def set_counts(self, counts: Truth) -> None:
-        """Another guard is in hand; see `counts`."""
+        """Note which value counts of the guard that is compiled next; see `counts`."""
         self.counts = counts
 
     @property
     def watched(self) -> frozenset[str]:
-        """All but time whose change may change the guard: keys (`*` for every key), and states by their `presence`.
+        """What may change the guard, time excepted: keys (`*` for every key), and states by their `presence`.
 
         Whatever waits for a guard is woken by these and by `instants`, and by nothing else.
         """

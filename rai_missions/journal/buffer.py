@@ -64,7 +64,7 @@ class DiskThreads:
         self.forget()
 
     def forget(self) -> None:
-        """This process is a copy of another, whose threads it does not have."""
+        """Begin again in a forked process, which has none of its parent's threads."""
         self._lock = threading.Lock()
         self._jobs: queue.SimpleQueue[Job | None] = queue.SimpleQueue()
         self._idle: set[threading.Thread] = set()
@@ -78,7 +78,7 @@ class DiskThreads:
             self._journals += 1
 
     def leave(self) -> None:
-        """It is not written any more; after the last one the threads that do nothing end."""
+        """Count out a journal that is not written any more; after the last one the idle threads end."""
         with self._lock:
             self._journals -= 1
             if self._journals:

@@ -35,7 +35,7 @@ SPOKEN = frozenset({"accepted", "feedback", "result"})
 
 
 def needs_confirmation(step: Step) -> bool:
-    """Its effects may not be carried out twice, so the journal reports when they have been."""
+    """Whether a step has effects that may not be carried out twice: the journal then notes that they were."""
     return any(isinstance(effect, WEIGHTY) for effect in step.effects)
 
 

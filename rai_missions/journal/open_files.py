@@ -60,7 +60,7 @@ class OpenFiles:
         self.forget()
 
     def forget(self) -> None:
-        """This process is a copy of another, whose thread it does not have."""
+        """Begin again in a forked process, which does not have its parent's thread."""
         self._lock = threading.Lock()
         self._open: WeakSet[OpenJournal] = WeakSet()
         self._closer: Worker | None = None
@@ -72,7 +72,7 @@ class OpenFiles:
         return len(self._open)
 
     def opened(self, journal: OpenJournal) -> None:
-        """Its files are open."""
+        """Count in a journal whose files were opened."""
         with self._lock:
             self._open.add(journal)
             if self._closer is None and len(self._open) > self.kept:
@@ -80,7 +80,7 @@ class OpenFiles:
                 self._closer.after(self.rest_s, self._close_idle)
 
     def closed(self, journal: OpenJournal) -> None:
-        """Its files are closed."""
+        """Count out a journal whose files were closed."""
         with self._lock:
             self._open.discard(journal)
 
@@ -109,7 +109,7 @@ class OpenFiles:
             journal.rest()
 
     def _oldest(self, count: int) -> list[OpenJournal]:
-        """So many of those that are open, the one that was written first in front."""
+        """The open journals whose last write is the longest ago, `count` of them, the oldest first."""
         return sorted(self._open, key=lambda journal: journal.written)[: max(0, count)]
 
     def _close_idle(self) -> None:

@@ -108,7 +108,7 @@ def end_rest(path: Path) -> None:
 
 
 def _length(log: Path) -> int:
-    """Of a log, in bytes; 0 where there is none."""
+    """The length of a log in bytes; 0 where there is none."""
     try:
         return log.stat().st_size
     except OSError:

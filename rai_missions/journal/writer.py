@@ -55,7 +55,7 @@ def versions() -> dict[str, str]:
 
 @cache
 def _version() -> str:
-    """That of this package, which takes 10 ms to find; empty where it is not installed."""
+    """The version of this package, which takes 10 ms to find; empty where it is not installed."""
     from importlib.metadata import PackageNotFoundError, version  # slow to import
 
     with suppress(PackageNotFoundError):
@@ -192,7 +192,7 @@ class Journal:
 
     @property
     def is_at_rest(self) -> bool:
-        """Its files are closed until the next row."""
+        """Whether the journal's files are closed until the next row."""
         return self._database is None
 
     def rest(self) -> None:

@@ -22,7 +22,7 @@ MUCH = 10_000
 
 
 class _Builders:
-    """Those that are building, in all threads of the process."""
+    """How many builders are at work, in all threads of the process."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()

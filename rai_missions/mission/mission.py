@@ -205,7 +205,7 @@ class Mission(MissionModel):
 
     @property
     def stem(self) -> str:
-        """Its name as part of the name of a file, a node or a function: without slashes, at most 100 letters."""
+        """The mission's name as part of that of a file, a node or a function: without slashes, at most 100 letters."""
         return self.name.replace("/", "_")[:100]
 
     def walk(self) -> Iterator[tuple[str, str, State]]:
@@ -287,7 +287,7 @@ def given_mission(given: Any, taker: str) -> Mission:
     """What a program gave as a mission.
 
     Args:
-        given: It.
+        given: What was given.
         taker: The function that takes it, for the sentence: `check`.
 
     Raises:

@@ -101,7 +101,7 @@ def _from(error: BaseException, path: Path, name: str, hint: str = "") -> Defini
 
 
 def _place_of_import(error: ImportError, source: bytes) -> str:
-    """Of a name that a file imports from a package of ours, which does not have it: where it is, or one like it."""
+    """Where a name is that a file imports from the wrong package of ours, or a name like it, in words."""
     package = sys.modules.get(error.name or "")
     if package is None or package.__name__.split(".")[0] != OURS:
         return ""

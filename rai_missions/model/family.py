@@ -175,7 +175,7 @@ class _OfFamily:
     """Reads, writes and describes any member of a family; pydantic need not know the family itself for this.
 
     Args:
-        family: It.
+        family: The family.
     """
 
     def __init__(self, family: type[TaggedModel]) -> None:

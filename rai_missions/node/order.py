@@ -132,7 +132,7 @@ def from_ros(order: ClientOrder) -> ClientOrder:
 
 
 def lasts(order: ClientOrder) -> bool:
-    """It is carried out however late the run takes it: it ends something, or reports what has happened."""
+    """Whether an order is carried out however late it is taken: it ends something, or reports what has happened."""
     return order.command in LASTING or (order.command == "control" and order.to == "nobody")
 
 

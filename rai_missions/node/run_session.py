@@ -127,7 +127,7 @@ class RunSession:
 
     @property
     def is_locked(self) -> bool:
-        """It is over and no one has control since: the next may begin once an operator has taken it.
+        """Whether the run is over and no one has control since: the next one begins only once an operator has taken it.
 
         Where the robot reports who holds control, it does so to the next run as well, and nothing is kept here.
         """

@@ -122,6 +122,6 @@ class WebOperator:
         self._terminal.ask(question, receive)
 
     def withdraw(self, number: int) -> None:
-        """It was answered here or there, or is no longer asked."""
+        """Drop a question that was answered, here or elsewhere, or is no longer asked."""
         if self._terminal is not None:
             self._terminal.withdraw(number)

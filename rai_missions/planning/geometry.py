@@ -33,7 +33,7 @@ class Footprint(NamedTuple):
         return sum(x for x, _ in self.corners) / count, sum(y for _, y in self.corners) / count
 
     def turned(self, yaw: float) -> Footprint:
-        """The same about the origin, counter-clockwise by `yaw` radians."""
+        """The footprint turned about the origin, counter-clockwise by `yaw` radians."""
         return Footprint(tuple(turned(corner, yaw) for corner in self.corners), self.radius)
 
     def extent(self, axis: int) -> tuple[float, float]:

@@ -252,7 +252,7 @@ class Goal(MissionModel):
     def __init__(self, all: tuple[Predicate, ...]) -> None: ...
 
     def of_kind(self, *kinds: type[Predicate]) -> Iterator[Any]:
-        """Its predicates of some kinds, in the order written."""
+        """The goal's predicates of some kinds, in the order written."""
         return (each for each in self.all if isinstance(each, kinds))
 
     def things(self) -> tuple[str, ...]:

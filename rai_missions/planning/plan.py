@@ -99,7 +99,7 @@ def plan_data(
     """A plan, or why there is none, as plain data: the same fields for both.
 
     Args:
-        found: It.
+        found: The plan, or the refusal.
         avoided: The places that were to be avoided.
         aside: Where what the gripper holds may be set down, where it holds something.
     """

@@ -171,7 +171,7 @@ class _Planner:
         return iter(sorted(choices, key=len))
 
     def _largest_cluster(self, names: tuple[str, ...]) -> set[str]:
-        """Those of a group that are together already, the most of them."""
+        """The largest part of a group that is together already."""
         clusters = list[set[str]]()
         for name in names:
             near = [each for each in clusters if any(holds(Grouped((name, other)), self.scene) for other in each)]

@@ -114,7 +114,7 @@ class Thing(MissionModel):
         return _footprint(self.type in BALLS, self.x, self.y, self.size[:2], self.yaw)
 
     def moved(self, x: float, y: float, z: float, yaw: float | None = None) -> Thing:
-        """The same thing elsewhere."""
+        """A copy of the thing, elsewhere."""
         return self.model_copy(update={"x": x, "y": y, "z": z, "yaw": self.yaw if yaw is None else yaw})
 
 

@@ -43,7 +43,7 @@ class Endpoint(NamedTuple):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Its names on the robot: of a handover one for each who may ask for it."""
+        """The endpoint's names on the robot: for a handover one a holder that may ask for it."""
         by = HANDS_OVER if self.place[0] == "control" else ("",)
         return tuple(dict.fromkeys(self.name.replace("{by}", each) for each in by))
 

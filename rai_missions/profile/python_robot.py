@@ -55,7 +55,7 @@ class RobotProgram:
         return self._next
 
     def robot(self) -> PythonRobot:
-        """Its `robot`, or what its `robot()` makes for a run.
+        """The file's `robot`, or what its `robot()` makes for a run.
 
         Raises:
             DefinitionError: It offers none, or `robot()` raises.

@@ -78,7 +78,7 @@ class Meter:
         return bool(self.ended)
 
     def has_room(self, work: int) -> bool:
-        """So much work reaches no limit of work."""
+        """Whether so much more work reaches no limit."""
         return self.work + work < min(self.limits.work, self._work)
 
     @property

@@ -88,7 +88,7 @@ class StateGraph:
         return self._set_numbers.setdefault(words, len(self._set_numbers))
 
     def note_waiting(self, number: int, words: int) -> None:
-        """The same with the number of the set."""
+        """Note what waits for time in a state, by the number of the set."""
         missing = number - len(self.waiting)
         if missing > 0:
             self.waiting.extend([UNKNOWN] * missing)
@@ -180,7 +180,7 @@ class StateGraph:
         return list(self._set_numbers)
 
     def _sources_of(self, *, time_only: bool) -> tuple[array[int], array[int]]:
-        """Of each state the place of the first one from which a step leads to it, and all of these, state by state."""
+        """The predecessors of all states: where those of each begin, and all of them, state by state."""
         if time_only not in self._before:
             many = array("L", bytes(array("L").itemsize)) * (self.states + 1)
             for _, target in self.edges(time_only=time_only):

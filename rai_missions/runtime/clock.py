@@ -57,11 +57,11 @@ class WallClock:
         mailbox.wait(None if until == math.inf else max(0.0, until - self.now()))
 
     def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
-        """It passes by itself."""
+        """Do nothing: wall time passes by itself."""
 
 
 class ContinuedClock:
-    """Another clock's time, counted on from an instant: that of a run which was cut short.
+    """A clock that counts on from the instant at which a run was cut short, at the pace of another clock.
 
     It stays at this instant until the run begins to look, by `begin` or by waiting: to connect to a robot costs a run
     that is resumed none of its time.
@@ -149,7 +149,7 @@ class SimulatedClock:
         self._advance(target)
 
     def _refill(self, mailbox: Mailbox) -> None:
-        """So many events may be taken before time passes although none of them ends."""
+        """Set how many events may be taken before time passes, although none of them ends."""
         self._left = mailbox.waiting + MOST_AT_ONCE
 
     def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
@@ -268,4 +268,4 @@ class PublishedClock:
             self._waiting = None
 
     def taken(self, mailbox: Mailbox, *, paced: bool) -> None:
-        """It passes by itself."""
+        """Do nothing: wall time passes by itself."""

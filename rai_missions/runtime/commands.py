@@ -91,7 +91,7 @@ class RunCommands:
         self._scheduler.post(event)
 
     def post_urgent(self, event: Event) -> None:
-        """It is taken next, whatever waits, and whatever its data are.
+        """Post an event that is taken next, whatever waits, and whatever its data are.
 
         Raises:
             UsageError: It is no event.

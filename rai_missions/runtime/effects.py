@@ -251,18 +251,18 @@ class EffectExecutor:
             self._event("doubt", "uncertain", 0, {"what": "publish", "name": effect.topic})
 
     def is_doubtful(self, effect: Effect) -> bool:
-        """It is a message that may not be published twice."""
+        """Whether an effect is a message that may not be published twice."""
         entry = self._robot.topics.get(effect.topic) if isinstance(effect, PublishMessage) else None
         return entry is not None and not entry.repeat
 
     def _doubt(self, what: str, name: str, number: int, outcome: str) -> None:
-        """It is not known whether it was done."""
+        """Report that an effect may or may not have been done before the run was killed."""
         self._event("doubt", "uncertain", 0, {"what": what, "name": name})
         why = f"the run was killed, and it is not known whether '{name}' was done"
         self._event("result", outcome, number, {"why": why})
 
     def _lose_call(self, effect: CallService, why: str) -> None:
-        """Its server is gone, and it may have been done: as after a kill, but that nothing is called again."""
+        """Report a call that may have been done, whose server is gone: as after a kill, without calling again."""
         if not self._may_repeat(effect):
             self._event("doubt", "uncertain", 0, {"what": "call", "name": effect.service})
         self._event("result", "failed", effect.number, {"why": f"{why}; it may have been done"})

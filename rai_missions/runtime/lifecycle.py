@@ -199,7 +199,7 @@ class Control:
             self.kept = False
 
     def follow(self, holder: str, *, taken: bool) -> None:
-        """It is known who holds control, and whether by having taken it; what the operator asked for counts already.
+        """Note who holds control, and whether it was taken; what the operator asked for counts already.
 
         Raises:
             UsageError: It may not have happened from here.

@@ -74,7 +74,7 @@ class Mailbox:
                 self.wake()  # all was taken meanwhile, and the thread that waits was not woken
 
     def post_urgent(self, event: Event) -> None:
-        """It is taken next, whatever waits."""
+        """Post an event that is taken next, whatever waits."""
         self._urgent.append(event)
         self._queue.put(None)
         self._on_urgent()
@@ -122,7 +122,7 @@ class Mailbox:
         return len(self._urgent) + len(self._front) + self._queue.qsize() + len(self._late)
 
     def put_back(self, events: list[Event]) -> None:
-        """They are taken before all others but the urgent ones, in this order."""
+        """Put events in front of all but the urgent ones, in this order."""
         self._front.extendleft(reversed(events))
 
     @property

@@ -91,7 +91,7 @@ class RobotListener:
         self._is_begun = True
 
     def resume(self) -> None:
-        """Another process has begun the mission."""
+        """Note that another process has begun the mission."""
         self._is_begun = True
 
     def begin_action(self, action: str) -> None:

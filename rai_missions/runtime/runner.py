@@ -155,12 +155,12 @@ class Runner(RunCommands):
 
     @property
     def waits(self) -> bool:
-        """It waits for a command to start, or to resume before the start; of a run that is over, it never began."""
+        """Whether the run waits for the command to start, or to resume before it; if it is over, it never began."""
         return self._waits or self._chart.held_back
 
     @property
     def is_resumed(self) -> bool:
-        """Another process began it."""
+        """Whether another process began the run."""
         return self._resumed is not None
 
     def start(self, arguments: Mapping[str, Any]) -> Sequence[StartFault]:
@@ -413,7 +413,7 @@ class Runner(RunCommands):
             self._lose_journal(lost)
 
     def _is_news(self, step: Step) -> bool:
-        """It was refused, as no other reading of its key was for a second: one a second is written down."""
+        """Whether a step refuses a reading, the first of its key within a second: one a second is written."""
         if not step.refusal or step.at < self._refused_at.get(step.event.name, -math.inf) + REFUSED_S:
             return False
         self._refused_at[step.event.name] = step.at

@@ -89,7 +89,7 @@ class Parallel(State, word="parallel"):
 
 
 class Each(State, word="each"):
-    """Its states run once for each item of a list, copied on entry; the first outcome but `succeeded` ends it."""
+    """A state that runs its states for each item of a list, copied on entry, until one is not `succeeded`."""
 
     each: Path
     """The key that holds the list."""
@@ -126,7 +126,7 @@ class Each(State, word="each"):
         yield KeyValue(self.item, f"{place}/as", "each", self.each)
 
     def distinguish(self, by: Distinctions) -> None:
-        """It compares nothing."""
+        """Report no values to distinguish: a history compares nothing."""
 
     def title(self) -> str:
         return f"for each {self.item} in {self.each}"

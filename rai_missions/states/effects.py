@@ -57,7 +57,7 @@ class Effect(TaggedModel, family="effect"):
         raise NotImplementedError
 
     def details(self) -> str:
-        """Its words, and what it sends along."""
+        """The effect in words, with what it sends along."""
         sent = getattr(self, self.sends) if self.sends else None
         return f"{self.words()} ({template_words(sent)})" if sent else self.words()
 

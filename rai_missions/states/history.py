@@ -39,7 +39,7 @@ class Default(Transition):
 
     @property
     def eventless(self) -> bool:
-        """It is part of entering, and never fires."""
+        """Whether it fires without an event: never, it is part of entering."""
         return False
 
     def words(self) -> str:

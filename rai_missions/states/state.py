@@ -168,7 +168,7 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         return _common_words()
 
     def written(self) -> dict[str, Any]:
-        """Its kind's words before those that every state has, as a person would write it."""
+        """The state as a person would write it: the words of its kind before those that every state has."""
         words = super().written()
         return {word: words[word] for word in sorted(words, key=self.LAST.__contains__)}
 
@@ -181,7 +181,7 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         return "states"
 
     def with_children(self, children: Mapping[str, State]) -> Self:
-        """The same with other states directly inside it; one that has none stays as it is."""
+        """A copy with other states directly inside it; a state that has none stays as it is."""
         return self.model_copy(update={self.child_place(): dict(children)}) if self.children() else self
 
     def starts(self) -> tuple[str, ...]:
@@ -245,7 +245,7 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
                 by.sample(getattr(self, use.name))
 
     def with_options(self, names: Mapping[str, str]) -> State:
-        """The same state with other names for some of its options."""
+        """A copy with other names for some of its options."""
         return self
 
     def computed(self) -> frozenset[str]:

@@ -88,7 +88,7 @@ class Transition(MissionModel):
 
     @property
     def eventless(self) -> bool:
-        """It fires as soon as its guard holds."""
+        """Whether the transition fires as soon as its guard holds."""
         return not self.on and self.after_s is None
 
     def leads(self) -> str:

@@ -102,7 +102,7 @@ class OccupancyGrid:
         return Window(tuple(reversed(rows)), step * self.resolution, self._outside(left, bottom))
 
     def _worst(self, left: int, bottom: int, step: int) -> str:
-        """Of the cells of a square; what is outside of the map is unknown."""
+        """The worst of the cells of a square; what is outside of the map is unknown."""
         right, top = left + step, bottom + step
         is_inside = left >= 0 and bottom >= 0 and right <= self.width and top <= self.height
         worst = 0 if is_inside else 1

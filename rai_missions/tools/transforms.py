@@ -51,7 +51,7 @@ class Transform(NamedTuple):
         return Transform((-x, -y, -z), back)
 
     def towards(self, other: Transform, share: float) -> Transform:
-        """So far on the way to another: 0 is here, 1 is there."""
+        """The transform at a share of the way to another: 0 is here, 1 is there."""
         x, y, z = (a + (b - a) * share for a, b in zip(self.translation, other.translation, strict=True))
         return Transform((x, y, z), between(self.rotation, other.rotation, share))
 

@@ -84,7 +84,7 @@ class TracedBehaviour(Behaviour if TYPE_CHECKING else object):  # type: ignore[m
         return True
 
     def ahead(self) -> list[Any]:
-        """Its children at which the next tick may look, if nothing but facts and time change."""
+        """The children at which the next tick may look, if nothing but facts and time change."""
         return self.children
 
 

@@ -89,7 +89,7 @@ class Camera:
         return cls(model, frame_width=640, frame_height=480)
 
     def twin(self, model: Any) -> Camera:
-        """Another camera with pictures of the same sizes, in another world; it has renderers of its own."""
+        """A camera with pictures of these sizes in another world, with renderers of its own."""
         height, width = self._frame_size
         return Camera(
             model,
@@ -109,7 +109,7 @@ class Camera:
 
     @property
     def has_rendered(self) -> bool:
-        """It holds renderers: something was looked at."""
+        """Whether the camera has made its renderers: something was looked at."""
         return self._renderers.are_made
 
     def moment(self, data: Any) -> Moment:

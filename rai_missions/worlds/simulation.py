@@ -70,7 +70,7 @@ class Simulation:
         return self.at - self._start_s
 
     def branch(self) -> Self:
-        """Another world where this one is, to the bit, on no connector yet; from any thread, between two steps.
+        """A copy of the world as it is now, to the bit, on no connector yet; from any thread, between two steps.
 
         What happens to either changes nothing in the other. A goal that is pursued is pursued there too; its reports
         go to the connector on which the branch is opened.

@@ -185,7 +185,7 @@ def _class_of(name: str, offer: PackageOffer) -> Any:
 
 
 def _checked(name: str, world: Any, options: Mapping[str, Any]) -> Any:
-    """The same class; its options exist and have values of their types.
+    """The class of a world, once its options exist and have values of their types.
 
     Raises:
         UsageError: One has not.

@@ -116,7 +116,7 @@ def _picture(evidence: ScenePicture) -> Json:
 
 
 def _prompt(text: str, pool: Pool, budget: ByteBudget) -> list[int] | str:
-    """Its paragraphs as numbers of the pool, since prompts share most of them."""
+    """A prompt's paragraphs as numbers of the pool, since prompts share most of them."""
     shown = cut(text, PROMPT)
     if len(text) > PROMPT:
         shown += f"\n\n… {len(text)} characters in all; the rest is in the store"

@@ -183,5 +183,5 @@ def _targets(ways: Ways, name: str) -> set[str]:
 
 
 def _road(names: list[str]) -> str:
-    """Of a long way the begin and the end."""
+    """A way in words; of a long one its begin and its end."""
     return " → ".join(names if len(names) <= 9 else [*names[:4], "…", *names[-4:]])

@@ -146,7 +146,7 @@ def _dice(one: Facts, other: Facts) -> float:
 
 
 def alike_keys(old: Mission, new: Mission, of: str) -> Scores:
-    """The same for keys (`blackboard`) or events (`events`): of one type and source, and used in the same places."""
+    """How alike keys (`blackboard`) or events (`events`) are: of one type and source, used in the same places."""
     before, after = getattr(old, of), getattr(new, of)
     gone, come = before.keys() - after.keys(), after.keys() - before.keys()
     if not gone or not come:

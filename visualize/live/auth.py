@@ -48,7 +48,7 @@ HEADERS: Mapping[bytes, bytes] = {
 
 
 class Allowance:
-    """So many acts a second, and so many at once.
+    """A rate limit: so many acts a second, and so many at once.
 
     Args:
         every_s: An act comes back after so long.

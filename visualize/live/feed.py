@@ -88,7 +88,7 @@ class RunFeed:
             self._past.append(step)
 
     def renew(self) -> None:
-        """Another run begins, and all that is looked at is of that one from now on; before its first step."""
+        """Show another run from now on; called before its first step."""
         self._past.clear()
         self._order = None
         self._is_renewed = True

@@ -99,7 +99,7 @@ class LivePage:
 
     @property
     def serves(self) -> bool:
-        """It is there."""
+        """Whether the server runs."""
         return self._thread is not None and self._thread.is_alive()
 
     @property

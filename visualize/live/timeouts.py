@@ -74,7 +74,7 @@ class TLSHandshake(asyncio.Protocol):
 
     @property
     def is_idle(self) -> bool:
-        """It is not about to close."""
+        """Whether the connection may be used on: it is not about to close."""
         return not self.transport.is_closing()
 
     async def _begin(self, loop: asyncio.AbstractEventLoop) -> None:

@@ -80,7 +80,7 @@ def bound(option: Option) -> str:
 
 
 def unanswered(asked: DecisionSpec) -> str:
-    """That no answer came, and in which time."""
+    """The words for no valid answer, and within which time."""
     return "no valid answer" + (f" within {asked.deadline_s:g} s" if asked.deadline_s is not None else "")
 
 

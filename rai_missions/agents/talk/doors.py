@@ -67,7 +67,7 @@ class TalkDoor(Protocol):
 
     @property
     def channel(self) -> str:
-        """Its name, such as `terminal`, `page` or `voice`."""
+        """The name of the door, such as `terminal`, `page` or `voice`."""
 
     @property
     def is_open(self) -> bool:

@@ -83,7 +83,7 @@ class VoiceDoor:
 
     @property
     def health(self) -> AgentHealth:
-        """That of the part that fares worse."""
+        """The health of the worse part: speech or recognition."""
         speech, recognition = self.speech.health, self.recognition.health
         return recognition if speech.lives else speech
 

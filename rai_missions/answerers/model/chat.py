@@ -120,7 +120,7 @@ class Abilities(NamedTuple):
 
     @classmethod
     def of(cls, model: BaseChatModel) -> Abilities:
-        """Of a model in this process."""
+        """What a model in this process can do."""
         return cls(fills_schemas(model), calls_tools(model), takes_images(model), name_of(model))
 
 
@@ -178,7 +178,7 @@ class ThreadChat:
         return name_of(self._model)
 
     def open(self) -> None:
-        """It is there."""
+        """The model is there already: nothing has to be opened."""
 
     def abilities(self, pending: PendingQuestion) -> Abilities:
         return Abilities.of(self._model)

@@ -152,7 +152,7 @@ class GroupFigures:
 
     @property
     def order_changes(self) -> Interval:
-        """Of the scenes that were asked in several orders, those in which another order gave another option."""
+        """The share of scenes asked with their options in several orders in which the order changed the answer."""
         options, seeds = defaultdict[str, list[str]](list), dict[str, int]()
         for (scene, _), (option, seeds[scene]) in self.named.items():
             options[scene].append(option)

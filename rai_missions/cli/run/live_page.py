@@ -91,7 +91,7 @@ class ShownRun(NamedTuple):
         return self.view.loose_goals
 
     def questions(self) -> list[Question]:
-        """Those that are open."""
+        """The questions that are open."""
         return [each.question for each in self.session.questions()]
 
     def closed_options(self) -> Mapping[int, Mapping[str, str]]:

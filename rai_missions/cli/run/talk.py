@@ -32,7 +32,7 @@ class HeldOpen:
     """The operator, who is met by talk: a question stays open until the conversation, or a page, answers it."""
 
     def ask(self, question: Question, answer: Callable[[Mapping[str, Any]], None]) -> None:
-        """It is spoken and shown by the conversation."""
+        """Do nothing: the conversation speaks and shows the question."""
 
     def withdraw(self, number: int) -> None:
         """The conversation sees that it is open no more."""

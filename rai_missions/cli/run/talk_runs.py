@@ -56,7 +56,7 @@ class TalkRuns:
         self._count = 1
 
     def begin(self, prepared: PreparedRun) -> Runner:
-        """This run is the one that is talked about from now on; it is not begun yet."""
+        """Make a prepared run the one that is talked about from now on; it is not started here."""
         if self._before is None:
             prepared.hold_connector()
         self._before = prepared

@@ -146,7 +146,7 @@ class HRIMessage:
 
     @property
     def attachments(self) -> tuple[Image | Audio, ...]:
-        """Its pictures, then its sound."""
+        """The message's pictures, then its sound."""
         return (*self.images, *self.audios)
 
     def __bool__(self) -> bool:

@@ -112,7 +112,7 @@ class MqttConnector:
 
     @property
     def running(self) -> bool:
-        """It was started and not stopped since, whether or not the broker is there at the moment."""
+        """Whether the connector was started, and not stopped since; the broker may be absent at the moment."""
         return self._link.is_open
 
     def start(self) -> None:
@@ -268,7 +268,7 @@ class MqttConnector:
         self._deliver(message, data)
 
     def _misread(self, message: Any, why: str) -> None:
-        """It is no JSON: logged once until the topic has a good one; who called receives it as the answer."""
+        """Report a message that is no JSON: in the log, once until a good one comes, and to a caller as its answer."""
         if message.topic not in self._unread:
             self._unread.add(message.topic)
             log.warning("%s: %s", message.topic, cut(why, 200))

@@ -72,7 +72,7 @@ class BrokerLink:
 
     @property
     def is_open(self) -> bool:
-        """It was opened and not closed since, whether or not the broker is there at the moment."""
+        """Whether the link was opened, and not closed since; the broker may be absent at the moment."""
         return self._is_open
 
     @property

@@ -16,7 +16,7 @@ LONGEST_EXPIRY_S = 0xFFFF_FFFF
 
 
 def request_properties(key: bytes, replies_to: str, timeout_s: float | None) -> Any:
-    """Those of a request; after the timeout no one awaits its reply.
+    """The properties of a request; after the timeout no one awaits its reply.
 
     The broker drops it then, in whole seconds: a device may come back much later. One that hung with its connection
     open has it already, and looks at the time of day.
@@ -29,7 +29,7 @@ def request_properties(key: bytes, replies_to: str, timeout_s: float | None) -> 
 
 
 def reply_properties(request: Any) -> Any:
-    """Those of the reply to a request."""
+    """The properties of the reply to a request."""
     return _properties(CorrelationData=key_of(request))
 
 

@@ -54,7 +54,7 @@ def read_frame(fd: int) -> tuple[dict[str, Any], list[bytes]] | None:
 
 
 def _exactly(fd: int, size: int) -> bytes:
-    """So many bytes; none where the pipe has ended."""
+    """Read `size` bytes; none where the pipe has ended."""
     parts, left = list[bytes](), size
     while left:
         part = os.read(fd, min(left, 1 << 20))

@@ -38,7 +38,7 @@ class GoalHost(Protocol):
         """A function is about to pursue a goal."""
 
     def end(self, goal_id: str) -> None:
-        """It has returned, and its end is reported."""
+        """Drop a goal whose function has returned, and whose end is reported."""
 
     def find(self, goal_id: str) -> GoalRun[Any] | None:
         """The run of a goal whose function has not returned."""

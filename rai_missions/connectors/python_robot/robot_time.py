@@ -96,7 +96,7 @@ class RobotTime:
             self._all[execution] = None
 
     def remove(self, execution: Execution) -> None:
-        """It has returned."""
+        """Forget an execution that has returned."""
         with self._lock:
             self._all.pop(execution, None)
         if self.is_steered:
@@ -113,7 +113,7 @@ class RobotTime:
         return True
 
     def awake(self, execution: Execution) -> None:
-        """Its wait is over."""
+        """Note that an execution waits no more."""
         with self._lock:
             if execution.due is not None:
                 execution.due, execution.since, execution.is_named = None, time.monotonic(), False

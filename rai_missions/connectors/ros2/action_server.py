@@ -50,7 +50,7 @@ class ServedAction:
         runtime.post(self._open)
 
     def close(self) -> None:
-        """Its goals are aborted, then it is no longer served."""
+        """Abort the goals, then stop serving the action."""
         self._is_open = False
         self._runtime.post(self._abandon)
 

@@ -69,7 +69,7 @@ class Ros2Connector:
 
     @property
     def running(self) -> bool:
-        """It was started, not stopped since, and no one else has shut ROS down under it."""
+        """Whether the connector was started, not stopped since, and ROS has not been shut down by others."""
         session = self._session
         return session is not None and session.runtime.is_open
 

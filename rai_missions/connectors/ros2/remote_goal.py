@@ -132,7 +132,7 @@ class RemoteGoal:
             self._client.cancels.enter(self._ask_early)
 
     def _ask_early(self, leave: Work) -> None:
-        """It may run already: the word of its acceptance may be late. What the server reports to this means nothing."""
+        """Cancel a goal whose acceptance is unknown: it may run already. What the server replies means nothing."""
         self._leaves.append(leave)
         self._unanswered().cancel_goal_async().add_done_callback(lambda _future: leave())
 
@@ -146,7 +146,7 @@ class RemoteGoal:
         return ClientGoalHandle(self._client.client, self._uuid, None)
 
     def end(self, how: End, data: dict[str, Any] | None = None, why: str = "") -> None:
-        """It is over; the first end counts. Where there may be a second server, it counts once none is executing it."""
+        """End the goal; the first end counts, with a second server once none of them is executing the goal."""
         if self.is_over:
             return
         if how == "lost" and self._held is not None and not self.sightings.is_active:
@@ -207,7 +207,7 @@ class RemoteGoal:
         self._warn(Report(self.goal_id, "stray", {}, why))
 
     def be_over(self) -> None:
-        """It was lost or stray, and is executing nowhere any more."""
+        """Report that a goal, lost or stray before, is executing nowhere any more."""
         self._deliver(Report(self.goal_id, "over", {}))
 
     def _warn(self, report: Report) -> None:

@@ -126,7 +126,7 @@ class ObservedClient(ActionClient):  # type: ignore[misc]
 
 
 def statuses_in(message: Any) -> Iterator[tuple[bytes, int, int]]:
-    """Of each goal in an `action_msgs/msg/GoalStatusArray`: its id, the stamp of its acceptance in ns, its status."""
+    """The goals in an `action_msgs/msg/GoalStatusArray`: id, stamp of acceptance in ns, status."""
     for each in message.status_list:
         stamp = each.goal_info.stamp
         yield bytes(each.goal_info.goal_id.uuid), stamp.sec * 10**9 + stamp.nanosec, each.status

@@ -76,7 +76,7 @@ class ModelSide:
             self._acknowledge(utterance, is_waiting=not is_interrupted)
 
     def _acknowledge(self, utterance: Utterance, *, is_waiting: bool) -> None:
-        """That the sentence was received, at once: a model may take its time, or hang."""
+        """Acknowledge a sentence at once: a model may take its time, or hang."""
         form = "filler" if utterance.is_spoken else "model_waits" if is_waiting else "model_asked"
         self._speaking.acknowledge(form, utterance)
 
@@ -85,7 +85,7 @@ class ModelSide:
         self._documents.ask(utterance, lambda: self._do_not_know(utterance, is_silent=is_silent))
 
     def _do_not_know(self, utterance: Utterance, *, is_silent: bool) -> None:
-        """That no one knows an answer.
+        """Reply that no one knows an answer.
 
         Args:
             utterance: The sentence.

@@ -74,7 +74,7 @@ class OrderSide:
         return self._requests.words
 
     def speak_nothing(self, utterance: Utterance) -> None:
-        """That there is nothing to confirm, and which requests wait."""
+        """Reply that there is nothing to confirm, and which requests wait."""
         language, text = self._talk.language, self._talk.language.text("nothing_to_confirm")
         if self._requests and may(utterance.role, "start", self._talk.settings):
             waiting = language.text("queued", requests=language.listed(self._requests.words))
@@ -367,7 +367,7 @@ class OrderSide:
         self.given.put(request)
 
     def lose(self, requests: Sequence[str], run: str) -> None:
-        """These waited in a program of this run that was killed, in words: that they are lost is reported."""
+        """Report requests, in words, that waited in a program of this run that was killed: they are lost."""
         self._requests.lose(requests, run)
 
     def on_speech_end(self, end: SpeechEnd) -> None:

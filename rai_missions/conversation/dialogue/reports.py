@@ -93,7 +93,7 @@ class Reports:
             self._all.setdefault(self._waiting.identity, self._waiting)
 
     def add(self, identity: str, text: str, at: float) -> None:
-        """Another report of a run, due at once; known already, nothing happens."""
+        """Add a report of a run, due at once, unless it is known already."""
         if identity not in self._all:
             self._all[identity] = MissionReport(identity, text, "question", due=at)
 
@@ -211,7 +211,7 @@ class Reports:
         return [each._asdict() for each in self._all.values()]
 
     def restore(self, saved: list[Mapping[str, Any]]) -> None:
-        """Of a process that ended: what was not spoken whole is owed, and may have been spoken before."""
+        """Restore the reports of an ended process: one not spoken whole is owed, and may have been spoken before."""
         for each in saved:
             report = MissionReport(**each)
             if report.state != "spoken":

@@ -77,7 +77,7 @@ class RequestQueue:
         return tuple(each.words for each in self._waiting)
 
     def add(self, judged: JudgedOrder) -> None:
-        """Another request; the person is informed of its place, or that it follows the one before it."""
+        """Queue a request; the person is informed of its place, or that it follows the one before it."""
         self._waiting.append(judged)
         place = len(self._waiting)
         self._talk.note("queued", number=judged.utterance.number, order=order_data(judged.sense), place=place)

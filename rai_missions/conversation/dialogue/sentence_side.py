@@ -421,7 +421,7 @@ class SentenceSide:
             self._orders.take(last, utterance, mapper="grammar", agreeing=agreeing)
 
     def _other(self, sense: Sense, utterance: Utterance) -> None:
-        """Another one than was read back, or asked for last; the person is asked which."""
+        """Ask which order is meant, where it is another one than was read back, or asked for last."""
         pending = self._orders.confirmation.order
         if pending is not None:
             self._decide(utterance, is_yes=False, is_agreed=True)

@@ -238,7 +238,7 @@ class StartPhrases:
         words: Sequence[str],
         texts: Collection[str],
     ) -> Sense:
-        """Of starts by several phrases, one without values, else of those with most the one that fits best.
+        """The best of several starts: one without values, else of those with most values the one that fits best.
 
         Its values fit, in their own slots; it has most of a list or a number, and the verb of its own phrase.
         """

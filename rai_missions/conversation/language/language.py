@@ -203,7 +203,7 @@ class Language(LanguageTexts):
         return Phrases(map(self._own, phrases), self.parts)
 
     def order_phrases(self, phrases: Iterable[str], slots: Mapping[str, str] = NO_SLOTS) -> Phrases:
-        """The same of orders: a verb that the language lists is any verb of its sense, as `head` is for `go`.
+        """Phrases of orders in a profile: a verb that the language lists is any verb of its sense, as `head` for `go`.
 
         Args:
             phrases: Of the profile.

@@ -136,7 +136,7 @@ def _read(
 
 
 def _digest_of(files: IdentityFolder, file: str) -> str:
-    """Of a file of the folder; empty for one that cannot be read, as in the index."""
+    """The digest of a file of the folder; empty for one that cannot be read, as in the index."""
     try:
         return _digest(files.data(file))
     except ValueError:
@@ -144,7 +144,7 @@ def _digest_of(files: IdentityFolder, file: str) -> str:
 
 
 def _digest(data: bytes) -> str:
-    """Of a document without the secrets that are known: once one in its text becomes known, it is read again."""
+    """The digest of a document without known secrets: once one in it becomes known, the document is read again."""
     with suppress(UnicodeDecodeError):  # a format that is no text, or a fault that the reader reports
         data = Redaction().known(data.decode()).encode()
     return hashlib.sha256(data).hexdigest()

@@ -48,7 +48,7 @@ class _Styles:
         self._style = ""
 
     def level(self, style: str) -> int:
-        """Of the headings of a style; 0 where it is of the text."""
+        """The level of a style's headings; 0 for a style of running text."""
         return next((self._levels[each] for each in self._line(style) if each in self._levels), 0)
 
     def hides(self, style: str) -> bool:

@@ -51,7 +51,7 @@ class ComputingMachine(Machine):
         self.given = [(path, Operand(path, site)) for path in given]
 
     def computing(self, compute: Callable[..., ComputedResult]) -> ComputingMachine:
-        """The same with another function: a proof's."""
+        """This machine with another function to compute by, as a proof needs it."""
         return ComputingMachine(self.owner, self.site, [path for path, _ in self.given], self.into, compute)
 
     def begin(self, host: ActivityHost) -> Turn:

@@ -191,5 +191,5 @@ def _(definition: DecisionFields, bench: Bench) -> DecisionMachine:
 
 
 def _noted(turn: Turn, verdict: Verdict, text: str) -> Turn:
-    """The same turn after a verdict."""
+    """A turn with the note of a verdict in front."""
     return turn._replace(notes=(VerdictNote(verdict, text), *turn.notes))

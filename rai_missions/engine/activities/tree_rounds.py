@@ -62,11 +62,11 @@ class Rounds:
 
     @property
     def room(self) -> int:
-        """So many rounds more can end before the tree rests."""
+        """How many more rounds can end before the tree rests."""
         return MOST_ROUNDS - self._loops - self._ended
 
     def skip(self, rounds: int) -> None:
-        """So many rounds more have ended."""
+        """Count rounds that have ended without being ticked one by one."""
         self._ended += rounds
 
     @property

@@ -258,7 +258,7 @@ class CompiledReport(CompiledNode):
 
     @property
     def writes(self) -> tuple[str, ...]:  # type: ignore[override]
-        """Its key."""
+        """The one key that the node writes."""
         return (self.key,)
 
     def tick(self, now: Tick) -> Status:

@@ -94,7 +94,7 @@ class CompiledSet(CompiledNode):
 
     @property
     def writes(self) -> tuple[str, ...]:  # type: ignore[override]
-        """Its key."""
+        """The one key that the leaf writes."""
         return (self.key,)
 
     @property

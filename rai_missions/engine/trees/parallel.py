@@ -78,7 +78,7 @@ class CompiledParallel(CompiledComposite):
                 child.stop(now)
 
     def _decided(self) -> tuple[Status, int]:
-        """Its status, and the number of its current child."""
+        """The node's status by its policy, and the number of its current child."""
         statuses = [child.status for child in self.children]
         last, policy = len(statuses) - 1, self.policy
         if FAILURE in statuses:

@@ -128,7 +128,7 @@ class GoalWriter:
         return list(rules[clause.kind](clause))
 
     def _check_alone(self, names: Names, text: str) -> None:
-        """Of several things it is asked how they are meant."""
+        """Ask how several things are meant; a single one is clear."""
         if len(names) > 1:
             raise self._things.ask(text, self._things.listed(names))
 
@@ -192,7 +192,7 @@ class GoalWriter:
         return self._things.is_container(place) and not any(self._things.lies_at(name, place) for name in others)
 
     def _there(self, phrase: Phrase, alternatives: Sequence[Names], place: str) -> Sequence[Names]:
-        """Of what a phrase may mean the things that lie in or on another thing; a single thing may lie elsewhere.
+        """The things that a phrase may mean and that lie in or on another thing; a single thing may lie elsewhere.
 
         Raises:
             Unread: It means several things, and none of them lies there.

@@ -132,7 +132,7 @@ class _Evidence:
             self.every.add("cube")
 
     def _add_ranked(self, found: Sequence[Symbol]) -> None:
-        """Of the kind that is named any thing may be the leftmost; without a kind, anything."""
+        """Let any thing of the named kind be the leftmost; without a kind, anything."""
         if any(symbol.kind in IN_ORDER for symbol in found):
             self.every |= self.one
             self.is_every = self.is_every or any(

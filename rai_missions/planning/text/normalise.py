@@ -129,7 +129,7 @@ class Normaliser:
         return [words for name in names if (words := self.words(name))]
 
     def words_in(self, text: str) -> list[str]:
-        """The same of a text that is `readable`."""
+        """The words of a text that is `readable`."""
         found = list[str]()
         for token in TOKEN.findall(self._without_abbreviations(text).lower()):
             found += (self._contractions.get(token) or self._written_out(token)).split()
@@ -218,7 +218,7 @@ class Normaliser:
         return self._split(text, CLAUSES, self._reporting)
 
     def remarks(self, text: str) -> list[str]:
-        """The same where others may be named, and only their words are left whole: `he wants his ball, find it`."""
+        """The clauses of a text; the words of other people in it are left whole: `he wants his ball, find it`."""
         return self._split(text, CLAUSES, self._quoting)
 
     def _split(self, text: str, at: re.Pattern[str], reporting: frozenset[str]) -> list[str]:

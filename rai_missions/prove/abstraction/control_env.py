@@ -69,12 +69,12 @@ class ControlEnvironment:
 
     @property
     def others(self) -> list[str]:
-        """Those who can have control without a hold: anyone who is needed here, and one for all who are not."""
+        """The holders that can have control without a hold: all who are needed here, and one for all others."""
         here = self.here
         return [*sorted(here), *[who for who in OTHERS if who not in here][:1]]
 
     def _possible(self) -> list[str]:
-        """Those whom it makes a difference to find."""
+        """The holders that it makes a difference to find."""
         others = self.others
         waited = set() if self.is_resuming else self.waited_for  # it would have begun
         return [who for who in others if who not in waited] or others

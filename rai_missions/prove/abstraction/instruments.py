@@ -58,7 +58,7 @@ class Instruments:
         self.lengthened = set()
 
     def compare_values(self) -> None:
-        """It is looked whether this step goes round."""
+        """Look from now on whether this step goes round."""
         self.is_long = True
 
     def watch_finals(self, program: Program) -> None:

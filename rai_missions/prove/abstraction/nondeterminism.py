@@ -32,7 +32,7 @@ class Choices:
         """The way in hand has left out what another way tries."""
 
     def forget_ways(self) -> None:
-        """Another thing happens, or in another state: no way was gone yet."""
+        """Forget the ways that were gone: something else happens, or in another state."""
         self._first.clear()
 
     def is_first_at(self, place: str) -> bool:
@@ -99,7 +99,7 @@ class OpenFields(dict[str, Any]):
         return default if found is None else found
 
     def fresh(self, known: Mapping[str, Any] | None = None) -> OpenFields:
-        """Another of its kind, of which this much is known."""
+        """A new one of this kind, of which this much is known."""
         made = OpenFields(self.fields, self._values, self._pick)
         made.update(self if known is None else known)
         return made
@@ -214,7 +214,7 @@ class OpenBoard(AskedBoard):
         return WrittenBoard(self)
 
     def count(self, keys: Iterable[str]) -> None:
-        """These hold numbers that are counted."""
+        """Note the keys that hold numbers which are counted."""
         self.counters = frozenset(keys)
 
     def note(self, key: str, found: Any) -> None:
@@ -230,7 +230,7 @@ class OpenBoard(AskedBoard):
             self.counted.add((key, found[0].added))
 
     def known(self, key: str) -> Any:
-        """Its entry as far as someone looked; None before that, and for unknown."""
+        """The entry of a key as far as it was looked at; None before that, and for unknown."""
         return dict.get(self, key)
 
     def is_known(self, key: str) -> bool:

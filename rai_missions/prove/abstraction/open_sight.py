@@ -71,7 +71,7 @@ class Sights:
 
     @cached_property
     def _scenes(self) -> Sequence[str]:
-        """Of each value what goals are judged by."""
+        """What goals are judged by, of each value."""
         from rai_missions.planning.scene import judged_by  # models of a scene; few missions have goals
 
         return [judged_by(value) for value in self.values]

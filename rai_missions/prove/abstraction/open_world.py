@@ -117,7 +117,7 @@ class OpenWorld:
         return self.choices.pick(self.chosen.get(key) or self.values.of(key))
 
     def _distinguished(self) -> dict[str, tuple[Any, ...]]:
-        """Of values that are alike to all that is asked of a key the first.
+        """The values of keys, of those that are alike to all that is asked of a key the first alone.
 
         Either of two such values leads to the same steps as long as it lasts, and any other can follow on both.
         """
@@ -135,7 +135,7 @@ class OpenWorld:
         return found
 
     def _list(self, key: str) -> list[Any] | None:
-        """Of no, one or two items, each anything; `Abstraction` has longer ones."""
+        """A list of no, one or two items, each anything; `Abstraction` has longer ones."""
         many = self.choices.pick((0, 1, 2, None) if None in self.values.of(key) else (0, 1, 2))
         return None if many is None else [self.choices.pick(self.values.item(key)) for _ in range(many)]
 
@@ -219,7 +219,7 @@ class OpenWorld:
 
     @property
     def doubts(self) -> bool:
-        """It is asked in each state whether something that is assumed of the robot is true."""
+        """Whether each state is asked if what is assumed of the robot is true there."""
         return bool(self._doubted)
 
     @property

@@ -222,7 +222,7 @@ class StateCodec:
     # -- what distinguishes states ----------------------------------------------------------------------------------
 
     def core(self) -> bytes:
-        """The same for two states that differ in their stores alone: 16 bytes."""
+        """The key of a state without its store, 16 bytes: equal for two states that differ in their stores alone."""
         state = self._chart.state
         values = self._keyed_values(state)
         keyed = [
@@ -231,7 +231,7 @@ class StateCodec:
         return fingerprint((self._plain_values(state), keyed, groups_key(self.groups)))
 
     def core_of(self, run: RunState, fields: Mapping[str, Any]) -> bytes:
-        """The same of what is left of a saved state: it has these fields in place of its own, and no active states."""
+        """The `core` of what is left of a saved state: with these fields in place of its own, and no active states."""
         keyed = [
             (name, to_key(value))
             for name, to_key in self._to_keys.items()
@@ -266,7 +266,7 @@ class StateCodec:
         return Ahead(partial(_kept, lists, None if is_whole else later), StoreQuery(parts))
 
     def _events_key(self, events: Iterable[Event]) -> Any:
-        """Of what waits for the hand-back what a state's outcome brings, and what rules look at of anything else."""
+        """The key of events that wait for the hand-back: the data of outcomes, and what rules look at of others."""
         looked = self._world.values.fields("event")
         return [
             (*kept_words(each), each.data["data"] if each.kind == "outcome" else [each.data.get(n) for n in looked])
@@ -311,7 +311,7 @@ class StateCodec:
         return memory.get(loop.word, 0) if memory.get("status") == "running" else None
 
     def uncounted(self) -> bytes:
-        """The same for two states that differ in the rounds of loops alone."""
+        """The key of a state without the rounds of its loops: equal for two states that differ in these alone."""
         state = self._chart.state
         running = state.running
         for loop in self.loops:
@@ -322,7 +322,7 @@ class StateCodec:
         return key
 
     def go_round(self, loop: Loop, more: int) -> None:
-        """So many more rounds of a loop have ended; nothing where it does not run."""
+        """Count more rounds of a loop as ended; nothing where it does not run."""
         running, ended = self._chart.state.running, self._rounds_of(loop)
         if ended is not None:
             running[loop.state] = _counting(running[loop.state], loop, ended + more)

@@ -80,7 +80,7 @@ class StepChains:
         """The chains of the macrostep in hand: place but for own keys, and how often trees were ticked → chain."""
 
     def begin(self) -> None:
-        """Another macrostep begins."""
+        """Begin another macrostep."""
         self._here = {}
 
     def take(self, draft: StepDraft, place: str) -> None:

@@ -115,7 +115,7 @@ class StoreQuery:
         self._answers: dict[int, bytes] = {}
 
     def of(self, store: Store) -> bytes:
-        """The same for two stores that answer alike."""
+        """The answer of a store, equal for two stores that answer alike."""
         if not self._parts:
             return b""
         found = self._answers.get(store.number)
@@ -261,7 +261,7 @@ class Stores:
 
 
 def first_alike(goals: Iterable[Goal], rivals: Rivals) -> tuple[Goal, ...]:
-    """Those of goals that make a difference; of many alike as many as represent any number."""
+    """The goals that make a difference; of many alike as many as represent any number."""
     found, many = list[Goal](), Counter[tuple[Any, ...]]()
     for goal in goals:
         alike = rivals(goal)

@@ -175,7 +175,7 @@ class Comparisons:
             self._constant(effect.set, effect.value)
 
     def _constant(self, path: str, value: Any) -> None:
-        """It can be this by the mission's own doing."""
+        """Note a value that a path can have by the mission's own doing."""
         self._own.append((path, value))
 
     def _learn_constants(self) -> None:
@@ -238,7 +238,7 @@ class Comparisons:
             self.kin[each] = kin
 
     def kin_of(self, path: str) -> set[str]:
-        """Those that it is compared with or copied to, itself among them."""
+        """The paths that one is compared with or copied to, itself among them."""
         return self.kin.get(path, {path})
 
     def _join_fields(self) -> bool:
@@ -272,7 +272,7 @@ class Comparisons:
     # -- what moves ------------------------------------------------------------------------------------------------
 
     def staying(self, kin: Collection[str]) -> frozenset[str]:
-        """Those of its kin around which the others lie: the arguments, or of two one, where the other moves by itself.
+        """The paths of its kin around which the others lie: arguments, or one of two, where the other moves by itself.
 
         Of two that are reported the other can come to the same side of it in a report of its own, and what an event
         brings to any side. What an item or a result brings comes in a step in which rules look at both: before it, no
@@ -419,7 +419,7 @@ class Comparisons:
         return Places(reading, {each: min(found) for each, found in radii.items()})
 
     def _is_among_constants(self, path: str) -> bool:
-        """It is a reading among poses that the mission wrote, which lie apart; or one of these."""
+        """Whether a path is a reading among poses that the mission wrote, which lie apart, or one of these poses."""
         reading = self._reading_of(path)
         sources = {self.keys[each].source for each in self.kin_of(path) if reading and each != reading}
         return sources == {"mission"} and are_apart(self.operands(path), max(self._radii(path)))
@@ -524,7 +524,7 @@ class Comparisons:
         return "number" if any(isinstance(each, int | float) for each in operands) else "string"
 
     def kinds_of(self, path: str) -> list[str]:
-        """Its types, where events of several bring it."""
+        """The types of a path; several where events of several types bring it."""
         root, _, rest = path.partition(".")
         several = self.declared.get(rest, []) if root == "event" else []
         return list(dict.fromkeys([self.kind_of(path), *several]))

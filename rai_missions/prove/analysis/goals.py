@@ -46,7 +46,7 @@ def requests(goals: Collection[Mapping[str, Any]]) -> list[str]:
 
 
 def first_of_each(values: Iterable[Any], found_out: Callable[[Any], Any]) -> list[Any]:
-    """Of values of which the same is found out the first."""
+    """The first of all values about which the same is found out."""
     first: dict[Any, Any] = {}
     for value in values:
         first.setdefault(found_out(value), value)

@@ -301,7 +301,7 @@ class LiveReads:
         return sum(len(words) for words in self._live.values()) > before
 
     def _once_entered(self, node: CompiledState, transition: CompiledTransition) -> frozenset[str]:
-        """The same from the entry of its state on: an outcome comes with what was written just before.
+        """What a transition needs from the entry of its state on: an outcome comes with what was written just before.
 
         That is what the state has worked out, or the answer that was given.
         """

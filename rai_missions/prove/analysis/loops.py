@@ -91,7 +91,7 @@ def may_rest(mission: Mission, at_once: Collection[str], restarted: Collection[s
 
 
 def _most_at_once(state: State) -> float:
-    """So many rounds may end in one step before the last one; those without a number are any number."""
+    """How many rounds may end in one step before the last one; a loop without a number has any number."""
     loops = {path: node for path, node in state.nodes().items() if isinstance(node, Retry | Repeat)}
     many = {path: _rounds(node) if _rounds(node) >= 0 else math.inf for path, node in loops.items()}
     ended = sum(

@@ -76,7 +76,7 @@ class Branches(NamedTuple):
 
 
 class PassedNodes:
-    """Of one tree.
+    """The nodes of one tree that were passed: what they remember makes no difference.
 
     Why what they remember makes no difference. While `Steps` and `Branches` run, no tick comes by, and nothing that is
     there is listened to. Such a node begins again by stopping its children; where it leaves that out (`renews` in
@@ -106,7 +106,7 @@ class PassedNodes:
 
 
 def _composites(node: TreeNode, path: str) -> Iterator[Steps | Branches]:
-    """Those whose ends nothing looks at, outer before inner."""
+    """The composites whose ends nothing looks at, outer before inner."""
     branches = [(f"{path}/{pointer}" if path else pointer, child) for pointer, child in node.branches()]
     below = tuple(tuple(inner for inner, _ in child.paths(place)) for place, child in branches)
     if isinstance(node, tree.Sequence | tree.Selector) and node.memory:

@@ -178,7 +178,7 @@ class Values:
             yield from self._scalars(path, kind)
 
     def _lists(self, path: str) -> Iterator[list[Any]]:
-        """Of no, one or two items; of one that no one goes over, two for all."""
+        """Lists of no, one or two items; of at most one where nothing goes through the list."""
         learned = self.learned
         most = 2 if any(kin in learned.items for kin in learned.kin_of(path)) else 1
         for many in range(most + 1):
@@ -226,7 +226,7 @@ class Values:
             yield {name: value for name, value in fields.items() if value is not None}
 
     def _is_met(self, path: str) -> bool:
-        """It is compared with one pose, which the robot reports: that one can be near it or far, wherever it is."""
+        """Whether a path is compared with one pose that the robot reports, which can be near or far from any pose."""
         robots = path in self._keys and self._keys[path].source == "robot"
         return self._others(path) == ["robot"] and not robots
 
@@ -260,7 +260,7 @@ class Values:
         return GOALS if self.learned.goals_change else GOALS[:1]
 
     def _scalars(self, path: str, kind: str) -> Iterator[Any]:
-        """Those of its type that its key takes."""
+        """The scalars of a path's type that its key takes."""
         return self._fitting(path, self._of_type(path, kind))
 
     def _fitting(self, path: str, values: Iterable[Any]) -> Iterator[Any]:
@@ -353,12 +353,12 @@ class Values:
         return any(self.learned.kind_of(path) == "integer" for path in kin)
 
     def _apart(self, path: str, candidates: Iterable[Any]) -> Iterable[Any]:
-        """Those that some guard treats otherwise than all before."""
+        """The candidates that some guard treats otherwise than all before."""
         return first_of_each(self._fitting(path, candidates), partial(_found_out, self.learned.atoms.get(path, ())))
 
 
 def _distinct(poses: list[Any], others: list[Any], radii: list[float]) -> list[Any]:
-    """Of poses that lie alike to each of others the first."""
+    """The poses without those that lie to each of the others as an earlier one does."""
 
     def lies(pose: Any) -> tuple[int | None, ...]:
         metres = [distance(pose, other) for other in others]

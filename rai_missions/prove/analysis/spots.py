@@ -27,7 +27,7 @@ class NumberRange(NamedTuple):
         return range(math.ceil(self.low), math.floor(self.high) + 1) if is_closed else range(0)
 
     def wholes(self, many: int) -> range:
-        """So many successive whole numbers that lie there; none where there are fewer."""
+        """`many` successive whole numbers that lie there; none where there are fewer."""
         first = math.ceil(self.low) if self.low > -math.inf else math.floor(min(self.high - many + 1, 0))
         return range(first, first + many if first + many - 1 <= self.high else first)
 
@@ -66,7 +66,7 @@ class Spots(NamedTuple):
         return spots, spots[self.moves :: self.moves + 1]
 
     def _around_one(self, low: float, high: float) -> tuple[list[float], list[float]]:
-        """The same with one spot for what stays, within its range, if any of it lies there."""
+        """The spots between two constants, with one for what stays, within its range, if any of it lies there."""
         middle, many = self._middle(low, high), self.moves
         if middle is None:
             return self._between(low, high, many), []

@@ -137,12 +137,12 @@ class AnswerValues:
 
 
 def _is_opaque(value: Any) -> bool:
-    """It represents many others, of which some may fit."""
+    """Whether a value represents many others, of which some may fit."""
     return isinstance(value, Mapping | list) or (isinstance(value, str) and value.startswith(OTHER))
 
 
 def _numbers(part: Schema, found: Iterable[float], *, whole: bool) -> Iterator[float]:
-    """These and the bounds of the schema, and what lies between, where it leaves bounds out or asks for multiples."""
+    """The given numbers, the schema's bounds, and what lies between where it excludes bounds or has multiples."""
     words = ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum")
     bounds = [each for word in words if is_number(each := part.get(word))]
     made = sorted({*found, *(each + step for each in bounds for step in ((-1, 0, 1) if whole else (0,)))})

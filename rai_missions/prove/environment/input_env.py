@@ -128,7 +128,7 @@ class InputEnvironment:
             yield Stimulus(words, "robot", do, goal.number, is_of_goal=True)
 
     def of_calls(self) -> Iterator[Stimulus]:
-        """The same of calls whose reply no state waits for: a failure is an event."""
+        """What can be reported of calls whose reply no state waits for: a failure is an event."""
         for service, number in sorted((service, number) for number, service in self._chart.state.calls.items()):
             yield from (each._replace(event="call_failed") for each in self._call(number, service))
 

@@ -296,7 +296,7 @@ class TimeEnvironment:
         return change
 
     def _let_pass(self, name: str, path: str | None, wake: float) -> Callable[[], None]:
-        """So much time passes for one machine alone."""
+        """A change: time passes until the instant of one machine, for that machine alone."""
 
         def change() -> None:
             machine, state = self._machine_of(name, path), self._state.running[name]
@@ -310,7 +310,7 @@ class TimeEnvironment:
         return change
 
     def _grow(self, name: str) -> Callable[[], None]:
-        """So much time passes for a tree that its own next instant comes; its leaves' time is another affair."""
+        """A change: time passes until a tree's own next instant; that of its leaves is another affair."""
 
         def change() -> None:
             state, machine = self._state.running[name], self._chart.program.machines[name]

@@ -270,7 +270,7 @@ class Space(StateGraph):
         return cases
 
     def again(self, course: CachedStep, source: int, store: Store, spot: PartNumbers | None = None) -> None:
-        """The same happens in a state that differs in its store alone, or in parts that make no difference."""
+        """Repeat a cached step in a state that differs in its store alone, or in parts that make no difference."""
         self.steps += course.steps
         self.meter.spend(course.steps, self.states)
         for arrival in course.arrivals:
@@ -345,7 +345,7 @@ class Space(StateGraph):
         return code
 
     def repeat(self, noted: Iterable[Sequence[NotedArrival]], steps: int, source: int, store: Store, code: int) -> None:
-        """The same happens in a state of which every part and the frame are known."""
+        """Repeat what was noted in a state of which every part and the frame are known."""
         numbers, targets, kept, codes = self._numbers, self._targets, self._kept, self._codes
         inner = codes.inner(code)
         self.begin(source)
@@ -398,7 +398,7 @@ class Space(StateGraph):
         self.note_words(number, outer.union(of_goals, *parts))
 
     def note_no_waiting(self, number: int) -> None:
-        """The same where nothing does."""
+        """Note that nothing waits for time in a state that is left."""
         self._words_here, self._goal_words = (), frozenset()
         self.note_waiting(number, self.number_of(self._goal_words))
 

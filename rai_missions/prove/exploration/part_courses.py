@@ -95,7 +95,7 @@ class Share:
     """What can happen on account of one part, or of the frame.
 
     Args:
-        scenes: It.
+        scenes: The cases to distinguish.
         group: The part's group, or in place of it `OUTSIDE` or `OF_GOALS`.
     """
 
@@ -114,7 +114,7 @@ class Slot:
     """A part in a frame.
 
     Args:
-        part: It.
+        part: As it was numbered.
     """
 
     __slots__ = ("last", "part", "share", "summary")
@@ -129,7 +129,7 @@ class Slot:
         self.last: Share | None = None
 
     def have(self, share: Share, *, is_last: bool) -> None:
-        """This can happen on its account."""
+        """Note what can happen on account of the part."""
         if is_last:
             self.last = share
         else:

@@ -120,7 +120,7 @@ class PartSteps:
             self._leave_by_parts(number, self._codes.spot(code), store, code)
 
     def _leave_by_halves(self, number: int, store: Store, code: int) -> bool:
-        """The same, where each half of its parts rests on itself alone, and is known; whether that is so."""
+        """Leave a state by halves of its parts, where each is known and rests on itself alone; whether that is so."""
         search, width = self._search, self._codes.widest
         if store.goals or width == 1:
             return False
@@ -176,7 +176,7 @@ class PartSteps:
                 self._halves += 1
 
     def _leave_by_parts(self, number: int, spot: PartNumbers, store: Store, code: int) -> None:
-        """The same, part by part."""
+        """Leave a state part by part."""
         search, slots = self._search, self._slots_of(spot)
         summary = reduce(or_, (slot.summary for slot in slots))
         shares = self._shares_of(spot, slots, summary, store)
@@ -220,7 +220,7 @@ class PartSteps:
         return [slots.setdefault(number, Slot(self._parts.of(spot)[group])) for group, (slots, number) in of]
 
     def _shares_of(self, spot: PartNumbers, slots: Sequence[Slot], summary: int, store: Store) -> list[Share | None]:
-        """Of each part, of the frame and of the goals that nothing pursues what can happen there, as far as known."""
+        """What can happen, as far as known, in each part, in the frame and with the goals that nothing pursues."""
         if summary & ENDED:
             open_ = [group for group, slot in enumerate(slots) if not slot.summary & ENDED]
             shares = [slot.last if open_ in ([], [group]) else slot.share for group, slot in enumerate(slots)]
@@ -241,7 +241,7 @@ class PartSteps:
         self._search.note_parts(number, parts, self._nothing.union(*outer), self._nothing.union(*goals))
 
     def _leave_apart(self, apart: SeparateRegions, number: int, spot: PartNumbers, store: Store, code: int) -> None:
-        """The same, but steps are made of one group alone once it has moved."""
+        """Leave a state with steps of one group alone, once that has moved."""
         head, depth = self._codes.head_of(code), self._search.depth_of(number)
         groups = [*apart.moved(head, spot.parts), OUTSIDE]
         summary = reduce(or_, (slot.summary for slot in self._slots_of(spot)))
@@ -256,7 +256,7 @@ class PartSteps:
             apart.leave(head, spot, [part.wakes for part in view.parts], depth, outcomes)
 
     def _make(self, number: int, spot: PartNumbers, store: Store, scopes: Sequence[int] = ()) -> list[Share]:
-        """The same where not all of it is known.
+        """Make what can happen in a state, where not all of it is known.
 
         Args:
             number: The state's.

@@ -271,7 +271,7 @@ class JoinedNumbers:
         self._lead = list(range(many))
 
     def join(self, some: Iterable[int]) -> None:
-        """These are in one group."""
+        """Put regions into one group."""
         found = {self._lead[each] for each in some}
         if found:
             self._lead = [min(found) if each in found else each for each in self._lead]

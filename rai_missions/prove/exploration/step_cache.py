@@ -109,7 +109,7 @@ class Arrival(NamedTuple):
 
     @property
     def likeness(self) -> tuple[object, ...]:
-        """The same for arrivals that lead alike from a state."""
+        """What arrivals are compared by: equal for those that lead alike from a state."""
         change = self.change.number if self.change is not None else self.ended
         return self.core, change, self.kind, self.has_moved, self.kept, self.is_of_goal, self.spot, self.needs
 

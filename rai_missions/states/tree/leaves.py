@@ -111,7 +111,7 @@ class SetLeaf(TreeNode, word="set"):
     ) -> None: ...
 
     def effect(self) -> Set:
-        """The same as an effect of a transition has it."""
+        """The leaf as an effect of a transition."""
         given = {"value": self.value, "from_": self.from_, "add": self.add}
         return Set(set=self.set, **{word: value for word, value in given.items() if value is not None})
 

@@ -43,11 +43,11 @@ class TreeNode(TaggedModel, family=TREE):
         return INSTEAD.get(family, super().remedy(data))
 
     def branches(self) -> Iterator[tuple[str, TreeNode]]:
-        """Its children, each with the pointer from here."""
+        """The node's children, each with the pointer from here."""
         return iter(())
 
     def paths(self, path: str = "") -> Iterator[tuple[str, TreeNode]]:
-        """It and every node below, outer before inner, with its path: `sequence/0/child`; its own is empty."""
+        """This node and all below, outer before inner, each with its path: `sequence/0/child`, empty for this node."""
         yield path, self
         for pointer, child in self.branches():
             yield from child.paths(f"{path}/{pointer}" if path else pointer)

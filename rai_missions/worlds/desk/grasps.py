@@ -150,7 +150,7 @@ def _directions(target: SeenThing) -> list[tuple[float, float]]:
 
 
 def _width(target: SeenThing, yaw: float) -> float:
-    """Its extent along the fingers' closing direction."""
+    """The target's extent along the fingers' closing direction."""
     if target.turns == 0:
         return max(target.size[:2])
     turn = yaw - target.yaw

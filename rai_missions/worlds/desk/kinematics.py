@@ -72,7 +72,7 @@ def tool_pose(position: NDArray[np.float64], turn: NDArray[np.float64]) -> ToolP
 
 
 class Kinematics:
-    """Of the arm alone: a model without meshes, so that it costs the same however full the desk is."""
+    """Kinematics of the arm alone: a model without meshes, so that it costs the same however full the desk is."""
 
     def __init__(self) -> None:
         xml = f'<mujoco><compiler angle="radian"/><worldbody>{bodies(hulls=False)}</worldbody></mujoco>'

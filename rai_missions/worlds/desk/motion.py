@@ -159,7 +159,7 @@ class Motion:
         self._logged.readings.clear()
 
     def resume_copy(self) -> None:
-        """Of a copy: do again what the skill under way has done, with what it read, and without an arm."""
+        """Do again, in a copy, what the skill under way has done, with what it read, and without an arm."""
         log = self._log
         if log is None:
             return

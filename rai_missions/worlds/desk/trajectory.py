@@ -169,7 +169,7 @@ def _limits(slower: float) -> Any:
 
 
 def _second_derivatives(marks: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of the natural cubic spline through the points (Numerical Recipes, §3.3)."""
+    """The second derivatives of the natural cubic spline through the points (Numerical Recipes, §3.3)."""
     count = len(marks)
     curved = np.zeros_like(points)
     if count < 3:

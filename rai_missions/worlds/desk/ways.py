@@ -131,7 +131,7 @@ def leaning(ways: Sequence[Grasp]) -> Iterator[Grasp]:
 
 
 def _turned(start: ToolPose, end: ToolPose, same: float) -> ToolPose:
-    """The same end, turned by so many of the turns that do not matter that the wrist turns least from its middle."""
+    """The end pose under that of its equivalent turns for which the wrist is nearest to its middle."""
     bearing = math.atan2(end.y, end.x)
     wrist = start.yaw - math.atan2(start.y, start.x)
     least = math.remainder(end.yaw - bearing, same)

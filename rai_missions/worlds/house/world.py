@@ -143,7 +143,7 @@ class House(Simulation):
 
     @property
     def is_charging(self) -> bool:
-        """It stands on the dock."""
+        """Whether the robot is at rest on the dock."""
         pose = self.pose
         return math.dist(pose[:2], PLACES["dock"][:2]) <= DOCKED_M and abs(pose.speed) < 0.05
 

@@ -62,7 +62,7 @@ class Conditions:
 
     @property
     def sky(self) -> str:
-        """Its two colours, as attributes of MJCF."""
+        """The sky's two colours, as attributes of MJCF."""
         high, low = (
             " ".join(f"{v * self._light:.3f}" for v in rgb) for rgb in ((0.35, 0.58, 0.88), (0.85, 0.91, 0.96))
         )
@@ -85,7 +85,7 @@ class Conditions:
 
     @property
     def colour(self) -> str:
-        """Of the air."""
+        """The colour of the air, as an attribute of MJCF."""
         white, brown = (0.78, 0.86, 0.93), (0.66, 0.56, 0.42)
         mixed = brown if self.dust > self.fog else white
         return " ".join(f"{v * max(0.25, self._light):.3f}" for v in mixed) + " 1"

@@ -77,7 +77,7 @@ class Extents:
         return float(highest)
 
     def around_m(self, number: int, x: float, y: float, heading: float) -> float:
-        """The same, of the obstacle and of whatever lies in it or under it, seen or not: a radar looks through."""
+        """`solid_m` of an obstacle and whatever lies in it or under it, seen or not: a radar looks through."""
         along = (math.cos(heading), math.sin(heading))
         near, far = self.reach(number, along)
         side = (-math.sin(heading), math.cos(heading))

@@ -43,7 +43,7 @@ class LatticePlace(NamedTuple):
 
     @property
     def is_west(self) -> bool:
-        """It is on the western headland."""
+        """Whether the place is on the western headland."""
         return self.column <= WEST_MOUTH
 
     def across(self) -> LatticePlace:
