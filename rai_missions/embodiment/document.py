@@ -6,6 +6,7 @@ Rule: what a person does not see on the page is no text: control characters and 
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from typing import NamedTuple
 
@@ -18,6 +19,8 @@ LONGEST_TEXT = 2_000_000
 MOST_SECTIONS = 5_000
 LONGEST_HEADING = 200
 LEVELS = 6
+IGNORABLE = re.compile("[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u3164\ufe00-\ufe0f\uffa0\U000e0100-\U000e01ef]")
+"""Letters and marks that no font draws: what Unicode has as Default_Ignorable_Code_Point outside category C."""
 
 
 class Section(NamedTuple):
@@ -102,7 +105,8 @@ def _short(heading: str) -> str:
 
 def visible(text: str) -> str:
     """A text on one line, as a person sees it."""
-    shown = "".join(_shown(character) for character in text) if not text.isprintable() or not text.isascii() else text
+    drawn = IGNORABLE.sub("", text)
+    shown = "".join(_shown(character) for character in drawn) if not text.isprintable() or not text.isascii() else text
     return " ".join(shown.split())
 
 

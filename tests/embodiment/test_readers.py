@@ -77,6 +77,23 @@ def test_tables_keep_their_lines() -> None:
 
 
 HIDDEN = "HIDDENWORDS"
+UNRENDERED = ("audio", "canvas", "datalist", "dialog", "noembed", "noframes", "rp", "video")
+UNSEEN_BY_STYLE = (
+    "style='display:/**/none'",
+    "style='d\\69 splay:none'",
+    "style='font-size:0.0px'",
+    "style='opacity:.0'",
+    "style='visibility:collapse'",
+    "style='color: transparent'",
+)
+
+
+def run_of(written: str, settings: str = "") -> str:
+    return f"<w:r><w:rPr>{settings}</w:rPr><w:t>{written}</w:t></w:r>"
+
+
+def gone_from_a_table(setting: str) -> str:
+    return f"<w:tbl><w:tr><w:trPr>{setting}</w:trPr><w:tc><w:p>{run_of(HIDDEN)}</w:p></w:tc></w:tr></w:tbl>"
 
 
 @pytest.mark.parametrize(
@@ -88,6 +105,14 @@ HIDDEN = "HIDDENWORDS"
         ("a.html", f"<p>seen<template>{HIDDEN}</template><span style='font-size:0'>{HIDDEN}</span>".encode()),
         ("a.md", f"seen <!-- {HIDDEN} -->\n\n<!-- {HIDDEN} -->\n\n[x]: http://{HIDDEN}.com\n".encode()),
         ("a.md", f"seen <span hidden>{HIDDEN}</span>".encode()),
+        ("a.md", f"seen\n\n<div hidden>\n\n{HIDDEN}\n\n- {HIDDEN}\n\n</div>\n\n<b>here</b>".encode()),
+        ("a.md", f"---\r\nkey: {HIDDEN}\r\n---\r\nseen\r\n".encode()),
+        ("a.md", f"---\nkey: {HIDDEN}\n...\nseen\n".encode()),
+        *(("a.html", f"<p>seen</p><{tag}><p>{HIDDEN}</p></{tag}>".encode()) for tag in UNRENDERED),
+        *(("a.html", f"<p>seen</p><div {each}>{HIDDEN}</div>".encode()) for each in UNSEEN_BY_STYLE),
+        ("a.html", f"<p>seen</p><div popover>{HIDDEN}</div><img hidden alt='{HIDDEN}'>".encode()),
+        ("a.docx", docx([(0, "seen")], gone_from_a_table("<w:del/>"))),
+        ("a.docx", docx([(0, "seen")], gone_from_a_table("<w:hidden/>"))),
         ("a.docx", docx([(0, "seen")], f"<w:p><w:r><w:rPr><w:vanish/></w:rPr><w:t>{HIDDEN}</w:t></w:r></w:p>")),
         ("a.docx", docx([(0, "seen")], f"<w:p><w:del><w:r><w:delText>{HIDDEN}</w:delText></w:r></w:del></w:p>")),
     ],
@@ -134,10 +159,6 @@ def test_a_page_full_of_beginnings_is_refused_at_once() -> None:
 )
 def test_a_page_may_leave_out_the_end_tags_that_html_lets_it(page: str, shown: str) -> None:
     assert text(read("a.html", page.encode())) == shown
-
-
-def run_of(written: str, settings: str = "") -> str:
-    return f"<w:r><w:rPr>{settings}</w:rPr><w:t>{written}</w:t></w:r>"
 
 
 def alternatives(written: str) -> str:
@@ -218,6 +239,13 @@ def test_a_style_has_what_the_one_it_is_based_on_has(paragraph: str, run: str, s
 def test_characters_that_are_not_seen_are_dropped() -> None:
     tags = "".join(chr(0xE0000 + ord(each)) for each in "obey")
     assert text(read("a.txt", f"wa\u200bit\u202e {tags}here\x1b[2J\u00a0now".encode())) == "wait here[2J now"
+    selectors = "".join(chr(0xE0100 + ord(each)) for each in "obey")  # what a model reads as bytes, and no font draws
+    assert text(read("a.txt", f"w\u034fai\u3164t\ufe0f{selectors}\u115f here\uffa0".encode())) == "wait here"
+
+
+@pytest.mark.parametrize("shown", ["<dialog open>here</dialog>", "<p style='opacity:0.5;font-size:0.8em'>here</p>"])
+def test_what_a_page_shows_is_text(shown: str) -> None:
+    assert text(read("a.html", f"<p>seen</p>{shown}".encode())) == "seen\n\nhere"
 
 
 # -- bad files -----------------------------------------------------------------------------------------------------

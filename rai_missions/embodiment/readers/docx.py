@@ -33,9 +33,11 @@ ALTERNATIVES = "http://schemas.openxmlformats.org/markup-compatibility/2006"
 """Part 3 of ECMA-376: one of several contents for programs of different age."""
 OFF = ("0", "false", "off")
 SUPERSEDED = frozenset(
-    {"moveFrom", "pPrChange", "rPrChange", "sectPrChange", "tblPrChange", "tcPrChange", "trPrChange"}
+    {"del", "moveFrom", "pPrChange", "rPrChange", "sectPrChange", "tblPrChange", "tcPrChange", "trPrChange"}
 )
 """Elements that hold what was there before a change."""
+GONE = frozenset({"del", "hidden"})
+"""What a line of a table has among its properties where it is not shown."""
 
 
 class _Styles:
@@ -92,19 +94,24 @@ class _Body:
         self._is_text = self._is_hidden = self._hides = False
         self._around: list[tuple[list[str], int, int, bool]] = []
         """What was begun around each text box that is open."""
-        self._depth, self._left_out = 0, 0
-        """How deep the elements lie, and those that are not read."""
+        self._path: list[str] = []
+        """The names of the elements that are open."""
+        self._left_out = 0
+        """How deep the element lies that is not read."""
         self._chosen: list[int] = []
         """The depth of each element with alternatives that is open; negative once one of them was read."""
 
     def begin(self, tag: str, attributes: Mapping[str, str], _line: int) -> None:
-        self._depth += 1
         name = _name(tag)
+        self._path.append(name)
+        depth = len(self._path)
         if self._left_out:
             return
         is_box = name == "txbxContent"
-        if name in SUPERSEDED or self._is_other_alternative(tag) or (is_box and self._is_hidden):
-            self._left_out = self._depth
+        if self._path[-2:-1] == ["trPr"] and name in GONE and _value(attributes, "val") not in OFF:
+            self._left_out, self._rows = depth - 2, self._rows - 1
+        elif name in SUPERSEDED or self._is_other_alternative(tag) or (is_box and self._is_hidden):
+            self._left_out = depth
         elif is_box:
             self._around.append((self._pieces, self._level, self._rows, self._hides))
             self._pieces, self._level, self._rows = [], 0, 0
@@ -135,8 +142,8 @@ class _Body:
     def _is_other_alternative(self, tag: str) -> bool:
         """Whether it is one of several alternatives, and not the first."""
         if tag == f"{ALTERNATIVES} AlternateContent":
-            self._chosen.append(self._depth)
-        if not self._chosen or self._depth != abs(self._chosen[-1]) + 1:
+            self._chosen.append(len(self._path))
+        if not self._chosen or len(self._path) != abs(self._chosen[-1]) + 1:
             return False
         is_other, self._chosen[-1] = self._chosen[-1] < 0, -abs(self._chosen[-1])
         return is_other
@@ -146,7 +153,8 @@ class _Body:
             self._pieces.append(text)
 
     def end(self, tag: str) -> None:
-        depth, self._depth = self._depth, self._depth - 1
+        depth = len(self._path)
+        self._path.pop()
         if self._left_out:
             self._left_out = 0 if self._left_out == depth else self._left_out
             return

@@ -8,14 +8,22 @@ rest of the page since it is never closed, a comment for instance, is refused wi
 from __future__ import annotations
 
 import re
+import sys
+from collections.abc import Mapping, Sequence
 from html.parser import HTMLParser
 
 from rai_missions.embodiment.document import Outline, TextDocument
 from rai_missions.embodiment.readers.plain import decoded
 
-__all__ = ("read_html", "text_of_html")
+__all__ = ("put_into", "read_html")
 
-UNSEEN = frozenset({"script", "style", "template", "noscript", "iframe", "object", "svg", "math", "head", "select"})
+UNSEEN = frozenset(
+    {
+        "audio", "canvas", "datalist", "head", "iframe", "math", "noembed", "noframes", "noscript", "object", "rp",
+        "script", "select", "style", "svg", "template", "video",
+    }
+)  # fmt: skip
+"""Elements that are not rendered (HTML, section 15.3.1), or whose content is for programs that lack them."""
 VOID = frozenset(
     {"area", "base", "br", "col", "embed", "hr", "img", "input", "link", "meta", "source", "track", "wbr"}
 )  # fmt: skip
@@ -58,9 +66,13 @@ OF_HEAD = frozenset({"base", "link", "meta", "noscript", "script", "style", "tem
 """What a head may hold; any other element ends it."""
 UNFINISHED = re.compile(r"<[!?/a-zA-Z][^\s<>]{0,20}")
 HEADING = re.compile(r"h([1-6])")
+ZERO = r"(?:0+(?:\.0*)?|\.0+)(?![.\d])"
 HIDING = re.compile(
-    r"display\s*:\s*none|visibility\s*:\s*hidden|font-size\s*:\s*0(?![.\d])|opacity\s*:\s*0(?![.\d])", re.IGNORECASE
+    rf"display\s*:\s*none|visibility\s*:\s*(?:hidden|collapse)|(?:font-size|opacity)\s*:\s*{ZERO}"
+    r"|(?<![\w-])color\s*:\s*transparent",
+    re.IGNORECASE,
 )
+CSS_COMMENT, CSS_ESCAPE = re.compile(r"/\*.*?\*/", re.DOTALL), re.compile(r"\\([0-9a-fA-F]{1,6})\s?")
 DEEPEST = 500
 """Elements inside each other."""
 NO_CHARACTER = re.compile(r"&#[0-9]{1000,};?")
@@ -72,14 +84,13 @@ class _Page(HTMLParser):
 
     Args:
         outline: What it is put into.
-        line: How many lines of the document lie ahead of it.
-        is_whole: Whether what it opens is closed in it, and not in a later piece.
+        lines: The line of the document that each of its own comes from; the same one where it is empty.
     """
 
-    def __init__(self, outline: Outline, *, line: int = 0, is_whole: bool = True) -> None:
+    def __init__(self, outline: Outline, lines: Sequence[int] = ()) -> None:
         super().__init__(convert_charrefs=True)
-        self._ahead, self._is_whole = line, is_whole
-        self.outline, self.title = outline, ""
+        self._lines = lines
+        self._outline, self.title = outline, ""
         self._text: list[str] = []
         self._open: list[tuple[str, bool, int]] = []
         """The elements that are open, whether each, or one around it, is hidden, and its line."""
@@ -88,20 +99,26 @@ class _Page(HTMLParser):
     def _is_unseen(self) -> bool:
         return bool(self._open) and self._open[-1][1]
 
+    @property
+    def _line(self) -> int:
+        line = self.getpos()[0]
+        return self._lines[line - 1] if self._lines else line
+
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         if tag not in INLINE:
             self._end_block("")
-        if tag in VOID:
-            if tag == "img" and not self._is_unseen:
-                self._text.append(f" {dict(attrs).get('alt') or ''} ")
-            return
         self._end_before(tag)
         if tag not in OF_HEAD and self._open and self._open[-1][0] == "head":
             self._open.pop()
+        given = dict(reversed(attrs))  # the first of two counts
+        is_hidden = self._is_unseen or _is_hidden(tag, given)
+        if tag in VOID:
+            if tag == "img" and not is_hidden:
+                self._text.append(f" {given.get('alt') or ''} ")
+            return
         if len(self._open) >= DEEPEST:
             raise ValueError(f"is nested more than {DEEPEST} deep")
-        is_hidden = tag in UNSEEN or self._is_unseen or any(_hides(*each) for each in attrs)
-        self._open.append((tag, is_hidden, self._ahead + self.getpos()[0]))
+        self._open.append((tag, is_hidden, self._line))
 
     def _end_before(self, tag: str) -> None:
         """The next element ends the one whose end tag was left out."""
@@ -132,10 +149,10 @@ class _Page(HTMLParser):
 
     def close(self) -> None:
         for tag, is_hidden, line in self._open:
-            if tag in RAW or (is_hidden and self._is_whole and tag not in OPTIONAL):
+            if tag in RAW or (is_hidden and tag not in OPTIONAL):
                 raise _never_closed(f"<{tag}>", line)
         if begun := UNFINISHED.match(self.rawdata):
-            raise _never_closed(begun.group(), self._ahead + self.getpos()[0])
+            raise _never_closed(begun.group(), self._line)
         super().close()
         self._open.clear()
         self._end_block("")
@@ -147,9 +164,9 @@ class _Page(HTMLParser):
             return
         text, self._text = "".join(self._text).strip().removesuffix(BETWEEN_CELLS.strip()), []
         if found := HEADING.fullmatch(ending):
-            self.outline.heading(int(found[1]), text)
+            self._outline.heading(int(found[1]), text)
         else:
-            self.outline.paragraph(text)
+            self._outline.paragraph(text)
 
 
 def _never_closed(begun: str, line: int) -> ValueError:
@@ -158,13 +175,20 @@ def _never_closed(begun: str, line: int) -> ValueError:
     )
 
 
-def _hides(name: str, value: str | None) -> bool:
-    """Whether an attribute keeps its element from being seen."""
+def _is_hidden(tag: str, given: Mapping[str, str | None]) -> bool:
+    """Whether an element with these attributes is not seen."""
     return (
-        name == "hidden"
-        or (name == "aria-hidden" and value == "true")
-        or (name == "style" and HIDING.search(value or "") is not None)
+        tag in UNSEEN
+        or (tag == "dialog" and "open" not in given)
+        or not given.keys().isdisjoint(("hidden", "popover"))
+        or given.get("aria-hidden") == "true"
+        or HIDING.search(_plain_css(given.get("style") or "")) is not None
     )
+
+
+def _plain_css(style: str) -> str:
+    """A style without comments and escapes."""
+    return CSS_ESCAPE.sub(lambda found: chr(min(int(found[1], 16), sys.maxunicode)), CSS_COMMENT.sub("", style))
 
 
 def read_html(_name: str, data: bytes) -> TextDocument:
@@ -173,28 +197,26 @@ def read_html(_name: str, data: bytes) -> TextDocument:
     Raises:
         ValueError: It is not UTF-8, too long, nested too deep, shows no text, or never closes what hides the rest.
     """
-    page = _Page(Outline())
-    page.feed(decoded(data))
-    page.close()
-    page.outline.title = " ".join(page.title.split())
-    return page.outline.document()
+    outline = Outline()
+    outline.title = " ".join(put_into(outline, decoded(data)).split())
+    return outline.document()
 
 
-def text_of_html(text: str, *, line: int = 0) -> str:
-    """What a person sees of a piece of HTML.
+def put_into(outline: Outline, page: str, lines: Sequence[int] = ()) -> str:
+    """Put what a person sees of a page into an outline.
 
     Args:
-        text: The piece.
-        line: How many lines of the document lie ahead of it.
+        outline: What it is put into.
+        page: The page, as HTML.
+        lines: The line of the document that each line of the page comes from; the same one where it is empty.
+
+    Returns:
+        Its title.
 
     Raises:
         ValueError: It is nested too deep, or never closes what hides the rest.
     """
-    outline = Outline()
-    page = _Page(outline, line=line, is_whole=False)
-    page.feed(text)
-    page.close()
-    try:
-        return " ".join(section.text for section in outline.document().sections)
-    except ValueError:
-        return ""
+    read = _Page(outline, lines)
+    read.feed(page)
+    read.close()
+    return read.title

@@ -1,25 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Markdown (CommonMark, with tables), read by markdown-it-py.
+"""Markdown (CommonMark, with tables), made HTML by markdown-it-py.
 
-Rule: what is HTML in it is read as HTML: a comment or a script in it is no text.
+Rule: it is read as the page that it makes, so what HTML in it hides, across paragraphs too, is no text.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+import re
 
 from rai_missions.embodiment.document import Outline, TextDocument
-from rai_missions.embodiment.readers.html import text_of_html
+from rai_missions.embodiment.readers.html import put_into
 from rai_missions.embodiment.readers.plain import decoded
-
-if TYPE_CHECKING:
-    from markdown_it.token import Token
 
 __all__ = ("read_markdown",)
 
 DEEPEST = 40
 """Blocks inside each other; what lies deeper is one text."""
+FRONT_MATTER = re.compile(r"---[ \t]*\n.*?^(?:---|\.\.\.)[ \t]*(?:\n|\Z)", re.DOTALL | re.MULTILINE)
+"""The block of settings that some programs keep at the top."""
 
 
 def read_markdown(_name: str, data: bytes) -> TextDocument:
@@ -30,54 +28,16 @@ def read_markdown(_name: str, data: bytes) -> TextDocument:
     """
     from markdown_it import MarkdownIt
 
+    text = decoded(data).replace("\r\n", "\n")
+    front = FRONT_MATTER.match(text)
+    shown = text[front.end() :] if front else text
+    reader = MarkdownIt("commonmark", {"maxNesting": DEEPEST}).enable("table")
+    pieces, lines, line = list[str](), list[int](), 1
+    ahead = text.count("\n") - shown.count("\n") + 1
+    for token in reader.parse(shown):
+        line = ahead + token.map[0] if token.map else line
+        pieces.append(reader.renderer.render([token], reader.options, {}).removesuffix("\n"))
+        lines += range(line, line + pieces[-1].count("\n") + 1)
     outline = Outline()
-    text = decoded(data)
-    shown = _without_front_matter(text)
-    ahead = text.count("\n") - shown.count("\n")
-    tokens = MarkdownIt("commonmark", {"maxNesting": DEEPEST}).enable("table").parse(shown)
-    cells = list[str]()
-    for token, before in zip(tokens, [None, *tokens], strict=False):
-        line = ahead + token.map[0] if token.map else ahead
-        if token.type == "inline":
-            words = _words(token.children or (), line)
-            if before is not None and before.type == "heading_open":
-                outline.heading(int(before.tag[1:]), words)
-            elif before is not None and before.type in ("th_open", "td_open"):
-                cells.append(words)
-            else:
-                outline.paragraph(words)
-        elif token.type == "tr_close":
-            outline.paragraph(" | ".join(cells))
-            cells = []
-        elif token.type in ("fence", "code_block"):
-            outline.paragraph(token.content)
-        elif token.type == "html_block":
-            outline.paragraph(text_of_html(token.content, line=line))
+    put_into(outline, "\n".join(pieces), lines)
     return outline.document()
-
-
-def _words(tokens: Sequence[Token], line: int) -> str:
-    """What a person reads of a line: the text of a link without its address, the description of a picture."""
-    return text_of_html("".join(_pieces(tokens)), line=line) if _has_html(tokens) else "".join(_pieces(tokens))
-
-
-def _has_html(tokens: Sequence[Token]) -> bool:
-    return any(token.type == "html_inline" for token in tokens)
-
-
-def _pieces(tokens: Sequence[Token]) -> Iterator[str]:
-    escaped = _has_html(tokens)
-    for token in tokens:
-        if token.type in ("softbreak", "hardbreak"):
-            yield " "
-        elif token.type == "html_inline" or not escaped:
-            yield token.content
-        else:
-            yield token.content.replace("&", "&amp;").replace("<", "&lt;")
-
-
-def _without_front_matter(text: str) -> str:
-    """Without the block of settings that some programs keep at the top."""
-    if text.startswith("---\n") and (end := text.find("\n---\n", 3)) > 0:
-        return text[end + 5 :]
-    return text
