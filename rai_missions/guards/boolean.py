@@ -15,6 +15,7 @@ from rai_missions.guards.analysis import Sources
 from rai_missions.guards.at_once import asked_at_once
 from rai_missions.guards.form import Form, Junction
 from rai_missions.guards.guard import Guard, GuardOrKey, form_of, made
+from rai_missions.guards.implication import never
 from rai_missions.guards.view import Site, Test, Truth, View
 from rai_missions.model import AnyOf
 
@@ -72,6 +73,8 @@ class _Junction(Guard):
         return parts[0] if len(parts) == 1 else Junction("any" if self.deciding is wanted else "all", parts)
 
     def rests(self, sources: Sources, *, wanted: bool = True) -> bool:
+        if never(self.form(not wanted, 0)):
+            return False  # what is so in any case is reported by no one
         parts = (part.rests(sources, wanted=wanted) for part in self.inner())
         return all(parts) if self.deciding is wanted else any(parts)
 
