@@ -64,6 +64,13 @@ def test_an_enormous_answer_is_not_judged() -> None:
     assert str(MOST_PARTS) in parameter_faults({}, {"a": [[] for _ in range(MOST_PARTS)]})
 
 
+@pytest.mark.parametrize("number", [float("nan"), float("inf"), float("-inf"), 10**400])
+def test_a_number_that_no_bound_holds_is_refused_wherever_it_is(number: float) -> None:
+    for schema in (SPEED, {}, {"properties": {"speed": {"minimum": 0}}}):
+        for given_value in (number, {"deep": [0.5, number]}):
+            assert "is no finite number" in parameter_faults(schema, {"speed": given_value})
+
+
 def test_a_reference_within_the_schema_is_followed() -> None:
     schema = {"$defs": {"s/p~d": SPEED["properties"]}, "properties": {"speed": {"$ref": "#/$defs/s~1p~0d/speed"}}}
     assert schema_fault(schema) == ""
