@@ -35,8 +35,9 @@ from rai_missions.profile import Robot, plain
 from rai_missions.profile.endpoints import asked
 from rai_missions.redaction import cut, cut_repr, logger
 from rai_missions.runtime.behaviours import Behaviours
+from rai_missions.runtime.cancels import outcome_of
 from rai_missions.runtime.control_handover import Handovers
-from rai_missions.runtime.goals import Goals, journaled, outcome_of
+from rai_missions.runtime.goals import Goals, journaled
 from rai_missions.runtime.lifecycle import Control
 from rai_missions.runtime.readings import SourceState
 from rai_missions.runtime.rivalry import Rivalry
@@ -302,7 +303,7 @@ class EffectExecutor:
         call = partial(
             self._connector.call, entry.service, entry.type, request, on_reply=answered, timeout_s=effect.timeout_s
         )
-        self._goals.behind_cancels(lambda: self._guarded(effect, call))
+        self._goals.cancels.behind(lambda: self._guarded(effect, call))
 
     def _publish(self, effect: PublishMessage) -> None:
         entry = self._robot.topics.get(effect.topic)

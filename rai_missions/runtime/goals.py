@@ -6,7 +6,6 @@ Rule: a goal's id follows from run, owner and start, so that a run that continue
 
 from __future__ import annotations
 
-import threading
 import uuid
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -17,15 +16,14 @@ from rai_missions.connectors.connector import ENDS, Connector, HostsActions, OnR
 from rai_missions.engine.step import CancelGoal, StartGoal
 from rai_missions.errors import in_words
 from rai_missions.event import EventKind
-from rai_missions.profile import ActionEntry, Robot, ServiceEntry, plain
+from rai_missions.profile import ActionEntry, Robot, plain
 from rai_missions.redaction import cut, logger
+from rai_missions.runtime.cancels import Cancels, outcome_of
 
-__all__ = ("Goals", "journaled", "outcome_of")
+__all__ = ("Goals", "id_of_goal", "journaled")
 
 log = logger(__name__)
 
-CANCELED_S = 5.0
-"""How long other calls wait for the reply of the service that ends a composed action."""
 WATCHED: Mapping[str, EventKind] = {
     "cancel_rejected": "refused",
     "contested": "contested",
@@ -34,7 +32,6 @@ WATCHED: Mapping[str, EventKind] = {
     "overdue": "overdue",
 }
 """What a connector reports of a goal next to its course → the kind of the event that it becomes."""
-BAD_REPLIES = ("failed", "timed_out", "unavailable")
 
 
 class Goals:
@@ -64,14 +61,7 @@ class Goals:
         self._starting: set[int] = set()
         """Composed actions whose `start` has not been answered: it may take effect after a later `cancel`."""
         self._is_closed = False
-        self._lock = threading.Lock()
-        self._ending: set[object] = set()
-        """Orders to end a composed action that have no answer yet; there may be two for one."""
-        self._behind: list[Callable[[], None]] = []
-
-    def goal_id(self, number: int, owner: str) -> str:
-        """The id under which a start's goal goes to its server."""
-        return uuid.uuid5(uuid.NAMESPACE_URL, f"{self._run}/{owner}/{number}").hex
+        self.cancels = Cancels(connector)
 
     def close(self) -> None:
         """The run is over: what has not ended, or is accepted from now on, belongs to no state, and is canceled."""
@@ -158,7 +148,7 @@ class Goals:
             if is_there:
                 on_report(received)
 
-        goal_id = self.goal_id(effect.number, effect.owner)
+        goal_id = id_of_goal(self._run, effect.number, effect.owner)
         self._connector.find_goal(entry.action, entry.type, goal_id=goal_id, on_report=report)
 
     def _or_give_up(self, effect: StartGoal, work: Callable[[], None]) -> None:
@@ -179,47 +169,7 @@ class Goals:
             self._end(effect.number, "canceled", {})
         else:
             is_early = effect.number in self._starting  # it may come ahead of the start; after that there is another
-            self._call_cancel(entry.cancel, partial(self._canceled, effect, is_early))
-
-    def _call_cancel(self, cancel: ServiceEntry, on_end: Callable[[str, str], object]) -> None:
-        """Call what ends a composed action; other calls wait meanwhile."""
-        assert self._connector is not None
-        order = object()
-
-        def answered(reply: Reply) -> None:
-            try:
-                on_end(*outcome_of(cancel, reply))
-            finally:
-                self._let_others_call(order)
-
-        with self._lock:
-            self._ending.add(order)
-        try:
-            self._connector.call(
-                cancel.service, cancel.type, cancel.request_of({}), timeout_s=CANCELED_S, on_reply=answered
-            )
-        except (Exception, SystemExit):
-            self._let_others_call(order)
-            raise
-
-    def behind_cancels(self, call: Callable[[], None]) -> None:
-        """Call a service once every composed action that was canceled has had its reply.
-
-        A robot need not serve two services in the order in which they are called: one that stops it would end what the
-        other has just begun.
-        """
-        with self._lock:
-            if self._ending:
-                self._behind.append(call)
-                return
-        call()
-
-    def _let_others_call(self, order: object) -> None:
-        with self._lock:
-            self._ending.discard(order)
-            behind, self._behind = (self._behind, []) if not self._ending else ([], self._behind)
-        for call in behind:
-            call()
+            self.cancels.call(entry.cancel, partial(self._canceled, effect, is_early))
 
     def give_up(self, number: int, why: str) -> None:
         """A start could not be carried out; it may have arrived before the connector failed."""
@@ -241,7 +191,7 @@ class Goals:
 
     def _sent(self, entry: ActionEntry, effect: StartGoal) -> tuple[str, OnReport]:
         """A goal's id, and what its reports go to."""
-        goal_id = self._ids[effect.number] = self.goal_id(effect.number, effect.owner)
+        goal_id = self._ids[effect.number] = id_of_goal(self._run, effect.number, effect.owner)
         return goal_id, lambda report: self._reported(entry, effect, goal_id, report)
 
     def _compose(self, entry: ActionEntry, effect: StartGoal) -> None:
@@ -284,7 +234,7 @@ class Goals:
             on_answer(False)
             return
         try:
-            self._call_cancel(entry.cancel, lambda outcome, why: on_answer(outcome == "succeeded"))
+            self.cancels.call(entry.cancel, lambda outcome, why: on_answer(outcome == "succeeded"))
         except (Exception, SystemExit):  # noqa: BLE001 - a connector is not trusted to behave
             on_answer(False)
 
@@ -332,21 +282,16 @@ class Goals:
         self._on_event("result", outcome, number, data)
 
 
+def id_of_goal(run: str, number: int, owner: str) -> str:
+    """The id under which a start's goal goes to its server."""
+    return uuid.uuid5(uuid.NAMESPACE_URL, f"{run}/{owner}/{number}").hex
+
+
 def _result_of(entry: ActionEntry, report: Report) -> Mapping[str, Any]:
     try:
         return entry.result_of(report.data)
     except Exception as error:  # noqa: BLE001 - whatever a server reports, its goal has ended
         return {"why": f"its result was not understood: {cut(error, 250)}"}
-
-
-def outcome_of(entry: ServiceEntry, reply: Reply) -> tuple[str, str]:
-    """How a call ended by what its profile makes of replies, and why it did not succeed; another word is a failure."""
-    try:
-        good, why = entry.succeeded(reply.outcome, reply.data), reply.why or reply.data.get("message", "")
-        outcome = "succeeded" if good else reply.outcome if reply.outcome in BAD_REPLIES else "failed"
-    except Exception as error:  # noqa: BLE001 - whatever a server reports, it has answered
-        return "failed", f"its reply was not understood: {cut(error, 250)}"
-    return outcome, in_words(reply.why if good else why)
 
 
 def journaled(data: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -24,7 +24,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, dump_profile
 from rai_missions.replay.replay import replay
 from rai_missions.runtime.clock import SimulatedClock
-from rai_missions.runtime.goals import Goals
+from rai_missions.runtime.goals import id_of_goal
 from rai_missions.runtime.mailbox import Mailbox
 from rai_missions.runtime.runner import Runner
 from rai_missions.testing import ChaosConnector, Rates
@@ -47,9 +47,8 @@ ENDS = {"succeeded", "failed", "aborted", "canceled"}
 def unowned(running: Iterable[str], runner: Runner, steps: Sequence[Step]) -> list[str]:
     """The goals that run on although no one owns them and nothing in the journal states it."""
     notes = [note for step in steps for note in step.notes]
-    ids = Goals(runner.run_id, Robot("none"), None, on_event=lambda *_: None)
     started = {
-        ids.goal_id(effect.number, effect.owner): effect.number
+        id_of_goal(runner.run_id, effect.number, effect.owner): effect.number
         for step in steps
         for effect in step.effects
         if isinstance(effect, StartGoal)

@@ -20,7 +20,7 @@ from rai_missions.event import Event
 from rai_missions.journal import StepRow
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
-from rai_missions.runtime.goals import Goals
+from rai_missions.runtime.goals import id_of_goal
 from rai_missions.runtime.run_options import NewRun, RunObserver
 from rai_missions.runtime.runner import Runner
 from tests.connectors.ros2.alike import HeldClock
@@ -69,7 +69,6 @@ class Rerun:
         self._before, self._after = self._happened[:begun], self._happened[begun + 1 :]
         given = {each.name: each.data for each in self._before if self._keys[each.name].source == "argument"}
         robot = profile(mission)
-        self._ids = Goals("run", robot, None, on_event=lambda kind, name, number, data: None)
         self._runner = Runner(
             mission,
             robot=robot,
@@ -137,7 +136,7 @@ class Rerun:
         elif kind == "proposal" and number in self._asked:
             self._asked[number](dict(data))
         elif number in starts:
-            goal_id = self._ids.goal_id(number, starts[number])
+            goal_id = id_of_goal("run", number, starts[number])
             self._goals[goal_id](Report(goal_id, name if kind == "result" else kind, data))  # type: ignore[arg-type]
         elif number in calls:
             self._calls[calls.index(number)].set_result({"success": name == "succeeded", "message": "", **data})

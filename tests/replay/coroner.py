@@ -14,9 +14,8 @@ from rai_missions.engine.step import Ask, CallService, StartGoal, Step
 from rai_missions.journal import StepRow
 from rai_missions.journal.in_flight import needs_confirmation
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import Robot
 from rai_missions.replay.open_run import OpenedRun
-from rai_missions.runtime.goals import Goals
+from rai_missions.runtime.goals import id_of_goal
 from rai_missions.runtime.runner import Runner
 from tests.replay.farm import Farm
 from tests.replay.mortal import Coroner, Fate, Land
@@ -104,7 +103,6 @@ class Inquest(Coroner):
         words = {name: state.word for _, name, state in mission.walk()}
         self._trees = {name for name, word in words.items() if word == "tree"}
         self._parallels = {name for name, word in words.items() if word == "parallel"}
-        self._ids = Goals("run", Robot("none"), None, on_event=lambda *_: None)
         self.kills: Counter[str] = Counter()
         """Instant → how many deaths came at one."""
         self.deaths = 0
@@ -136,7 +134,7 @@ class Inquest(Coroner):
         self._asked = frozenset(number for number, each in under.open.items() if isinstance(each, Ask))
 
     def goal_id(self, start: StartGoal) -> str:
-        return self._ids.goal_id(start.number, start.owner)
+        return id_of_goal("run", start.number, start.owner)
 
     def look(self, runner: Runner, step: Step) -> None:
         """A step has been done."""

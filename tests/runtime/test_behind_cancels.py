@@ -56,7 +56,7 @@ def driving(**drive: Any) -> tuple[Goals, SlowRobot, list[str]]:
 def test_a_call_waits_for_the_reply_to_the_cancel() -> None:
     goals, robot, reported = driving()
     goals.cancel(CancelGoal(1, "drive"))
-    goals.behind_cancels(lambda: robot.asked.append("/turn_back"))
+    goals.cancels.behind(lambda: robot.asked.append("/turn_back"))
     assert robot.asked == ["/drive", "/halt"]
     robot.answered["/halt"](DONE)
     assert robot.asked == ["/drive", "/halt", "/turn_back"]
@@ -67,7 +67,7 @@ def test_a_call_waits_for_the_reply_to_the_cancel() -> None:
 def test_a_cancel_that_fails_keeps_no_one_waiting(outcome: Any) -> None:
     goals, robot, reported = driving()
     goals.cancel(CancelGoal(1, "drive"))
-    goals.behind_cancels(lambda: robot.asked.append("/turn_back"))
+    goals.cancels.behind(lambda: robot.asked.append("/turn_back"))
     robot.answered["/halt"](Reply(outcome, {}))
     assert robot.asked[-1] == "/turn_back"
     assert reported == ["accepted", *(["drive"] if outcome == "failed" else [])], "its end is not confirmed"
@@ -77,13 +77,13 @@ def test_a_cancel_that_cannot_be_sent_keeps_no_one_waiting() -> None:
     goals, robot, _ = driving(cancel="/broken")
     with pytest.raises(RuntimeError, match="the wire is cut"):
         goals.cancel(CancelGoal(1, "drive"))
-    goals.behind_cancels(lambda: robot.asked.append("/turn_back"))
+    goals.cancels.behind(lambda: robot.asked.append("/turn_back"))
     assert robot.asked[-1] == "/turn_back"
 
 
 def test_without_a_cancel_a_call_goes_at_once() -> None:
     goals, robot, _ = driving()
-    goals.behind_cancels(lambda: robot.asked.append("/turn_back"))
+    goals.cancels.behind(lambda: robot.asked.append("/turn_back"))
     assert robot.asked == ["/drive", "/turn_back"]
 
 
@@ -114,7 +114,7 @@ def test_a_goal_whose_end_was_ordered_twice_has_ended_with_the_last_answer() -> 
     first = robot.answered["/halt"]
     robot.answered["/drive"](DONE)
     goals.cancel(CancelGoal(2, "drive"))
-    goals.behind_cancels(lambda: robot.asked.append("/turn_back"))
+    goals.cancels.behind(lambda: robot.asked.append("/turn_back"))
     first(DONE)
     assert "canceled" not in reported and robot.asked[-1] == "/halt"
     robot.answered["/halt"](DONE)

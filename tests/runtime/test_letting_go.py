@@ -13,7 +13,7 @@ from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine.step import StartGoal
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot
-from rai_missions.runtime.goals import Goals
+from rai_missions.runtime.goals import Goals, id_of_goal
 from rai_missions.runtime.lifecycle import Control
 from rai_missions.runtime.runner import Runner
 from tests.rigs.journals import MemoryJournal
@@ -95,7 +95,7 @@ def test_a_goal_that_may_have_arrived_is_canceled_and_one_that_cannot_have_is_no
         goals.start(StartGoal(1, "moving", "move", {}))
     goals.give_up(1, "the wire is cut")
     goals.give_up(2, "the wire is cut")
-    assert connector.canceled == [goals.goal_id(1, "moving")]
+    assert connector.canceled == [id_of_goal("run", 1, "moving")]
     assert reported == [(1, "rejected"), (2, "rejected")]
 
 

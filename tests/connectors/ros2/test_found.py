@@ -17,7 +17,7 @@ from rai_missions.connectors.connector import Report
 from rai_missions.connectors.contract import Inbox, PatientServer
 from rai_missions.engine.step import CancelGoal, StartGoal
 from rai_missions.profile import Robot
-from rai_missions.runtime.goals import Goals
+from rai_missions.runtime.goals import Goals, id_of_goal
 from tests.connectors.ros2.peer_process import ABORT, DROPPED, FIBONACCI, RUN, SLOW_TO_ACCEPT, SUCCEED, Peer
 
 Open = Callable[..., Any]
@@ -175,9 +175,10 @@ def test_a_goal_that_its_server_has_yet_to_accept_is_found_by_being_sent_again(
 ) -> None:
     move = {"action": action_of(peer), "type": FIBONACCI}
     robot, events = Robot.model_validate({"name": "robot", "actions": {"move": move}}), Inbox[str](30.0)
-    goals = Goals(uuid.uuid4().hex, robot, ours, on_event=lambda kind, name, number, data: events(name))
+    run = uuid.uuid4().hex
+    goals = Goals(run, robot, ours, on_event=lambda kind, name, number, data: events(name))
     effect, before = StartGoal(1, "moving", "move", {"order": SLOW_TO_ACCEPT}), Inbox[Report](30.0)
-    goal_id = goals.goal_id(effect.number, effect.owner)
+    goal_id = id_of_goal(run, effect.number, effect.owner)
     ours.find_goal(action_of(peer), FIBONACCI, goal_id=uuid.uuid4().hex, on_report=before)
     before.wait(bool, "this connector knows the server")
     open_ros().send_goal(action_of(peer), FIBONACCI, effect.goal, goal_id=goal_id, on_report=lambda report: None)
