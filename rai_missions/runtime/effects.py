@@ -84,7 +84,7 @@ class EffectExecutor:
         self.run = run
         self._scheduler, self._control = scheduler, control
         self.rivalry = Rivalry(robot, connector, scheduler.wake)
-        self._goals = Goals(run, robot, connector, on_event=self._event)
+        self._goals = Goals(run, robot, connector, on_event=self._event, later=scheduler.call_later)
         self.is_concluding = False
         """The end of actions that this process executes is waited for."""
         self._open: dict[int, str] = {}

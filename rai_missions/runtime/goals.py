@@ -16,7 +16,7 @@ from rai_missions.connectors.connector import ENDS, Connector, HostsActions, OnR
 from rai_missions.engine.step import CancelGoal, StartGoal
 from rai_missions.errors import in_words
 from rai_missions.event import EventKind
-from rai_missions.profile import ActionEntry, Robot, plain
+from rai_missions.profile import ActionEntry, Robot, plain, terms
 from rai_missions.redaction import cut, logger
 from rai_missions.runtime.cancels import Cancels, outcome_of
 
@@ -42,6 +42,7 @@ class Goals:
         robot: The profile; the start of an action that is not in it is rejected.
         connector: How the robot is reached.
         on_event: Called with kind, name, number and data of an event.
+        later: Has something done after so many seconds, if the run is not over by then.
     """
 
     def __init__(
@@ -51,6 +52,7 @@ class Goals:
         connector: Connector | None,
         *,
         on_event: Callable[[EventKind, str, int, Mapping[str, Any]], None],
+        later: Callable[[float, Callable[[], None]], None],
     ) -> None:
         self._run, self._robot, self._connector, self._on_event = run, robot, connector, on_event
         self._ids: dict[int, str] = {}
@@ -61,7 +63,12 @@ class Goals:
         self._starting: set[int] = set()
         """Composed actions whose `start` has not been answered: it may take effect after a later `cancel`."""
         self._is_closed = False
-        self.cancels = Cancels(connector)
+        self._lost: dict[int, StartGoal] = {}
+        """Composed actions that may have begun, and whose end the robot has not answered."""
+        self._waiting: set[int] = set()
+        """Goals that are sent once a lost one before them has ended."""
+        self._conflict = terms(robot).conflict
+        self.cancels = Cancels(connector, later)
 
     def close(self) -> None:
         """The run is over: what has not ended, or is accepted from now on, belongs to no state, and is canceled."""
@@ -69,14 +76,36 @@ class Goals:
         self.cut_off()
 
     def start(self, effect: StartGoal) -> None:
-        """Send a goal; raises what the connector raises."""
+        """Send a goal, behind the end of a lost one that conflicts with it; raises what the connector raises."""
+        for each in tuple(self._composed.values()):
+            if self._conflict(each.action, effect.action):
+                self.cancels.drop(each.number)
         entry = self._entry(effect.action)
+        lost = next((each for each in tuple(self._lost.values()) if self._conflict(each.action, effect.action)), None)
         if entry is None or self._connector is None:
             self._end(effect.number, "rejected", {"why": f"no robot has an action '{effect.action}'"})
+        elif lost is not None:
+            self._start_behind(lost, effect)
         elif entry.action is None:
             self._compose(entry, effect)
         else:
             self._send(entry, effect)
+
+    def _start_behind(self, lost: StartGoal, effect: StartGoal) -> None:
+        """Send a goal once one that may run on has ended."""
+        self._waiting.add(effect.number)
+
+        def answered(why: str) -> None:
+            if effect.number not in self._waiting:
+                return
+            self._waiting.discard(effect.number)
+            if why:
+                why = f"an earlier goal of '{lost.action}', which was lost, may still run: {why}"
+                self._end(effect.number, "rejected", {"why": why})
+            else:
+                self._or_give_up(effect, lambda: self.start(effect))
+
+        self._end_unsure(lost, answered)
 
     def _send(self, entry: ActionEntry, effect: StartGoal, *, is_again: bool = False) -> None:
         """Send a goal; one that is sent again may have been accepted meanwhile, and its server takes no id twice."""
@@ -112,7 +141,10 @@ class Goals:
         elif entry.repeat:
             self.start(effect)
         elif entry.action is None:
-            self._end_unsure(entry, effect, lambda is_sure: on_doubt())
+            if entry.cancel is not None:
+                why = f"the run was killed, and it is not known whether '{effect.action}' was started"
+                self._on_event("lost", effect.action, effect.number, {"why": why})
+            self._end_unsure(effect, lambda why: on_doubt())
         else:
             on_doubt()
 
@@ -165,11 +197,11 @@ class Goals:
         self._unwanted.add(effect.number)
         if entry.action is not None:
             self._connector.cancel_goal(self._ids.get(effect.number, ""))
-        elif entry.cancel is None:
+        elif entry.cancel is None or effect.number in self._waiting:
             self._end(effect.number, "canceled", {})
         else:
             is_early = effect.number in self._starting  # it may come ahead of the start; after that there is another
-            self.cancels.call(entry.cancel, partial(self._canceled, effect, is_early))
+            self.cancels.call(effect.number, entry.cancel, partial(self._canceled, effect, is_early))
 
     def give_up(self, number: int, why: str) -> None:
         """A start could not be carried out; it may have arrived before the connector failed."""
@@ -180,6 +212,8 @@ class Goals:
 
     def cut_off(self) -> tuple[CancelGoal, ...]:
         """End every goal with a server, whether known to it or not; returns what ends the composed ones."""
+        for number in tuple(self._waiting):
+            self._end(number, "canceled", {})
         for goal_id in list(self._ids.values()):
             if self._connector is not None:
                 with suppress(Exception, SystemExit):  # the others must be stopped too
@@ -212,31 +246,39 @@ class Goals:
                 self._end(effect.number, "rejected", {"why": why or outcome})
                 return
             self._on_event("lost", effect.action, effect.number, {"why": why})
-            self._end_unsure(entry, effect, partial(ended, why or outcome))
-
-        def ended(why: str, is_sure: bool) -> None:
-            self._end(effect.number, "rejected", {"why": why})
-            if is_sure:
-                self._on_event("over", effect.action, effect.number, {"owner": effect.owner})
+            self._end_unsure(effect, lambda _: self._end(effect.number, "rejected", {"why": why or outcome}))
 
         self._connector.call(start.service, start.type, start.request_of(effect.goal), on_reply=answered)
 
-    def _end_unsure(self, entry: ActionEntry, effect: StartGoal, on_answer: Callable[[bool], object]) -> None:
+    def _end_unsure(self, effect: StartGoal, on_answer: Callable[[str], object]) -> None:
         """Order the end of a composed action whose start may have arrived: nothing else would end it.
 
         Args:
-            entry: The action's.
             effect: Its start.
-            on_answer: Called with whether it has ended, once the robot has answered: what begins before that answer
-                might be what the order ends.
+            on_answer: Called with why the robot has not answered, or an empty text once it has: what begins before
+                that answer might be what the order ends.
         """
-        if entry.cancel is None:
-            on_answer(False)
+        entry = self._entry(effect.action)
+        if entry is None or entry.cancel is None:
+            on_answer("it has no 'cancel'")
             return
+        self._lost[effect.number] = effect
+        is_first = True
+
+        def answered(outcome: str, why: str) -> None:
+            nonlocal is_first
+            is_answered = outcome in ("succeeded", "failed")
+            was_lost = is_answered and self._lost.pop(effect.number, None) is not None
+            if is_first:
+                is_first = False
+                on_answer("" if is_answered else why or outcome)
+            if was_lost and outcome == "succeeded":
+                self._on_event("over", effect.action, effect.number, {"owner": effect.owner})
+
         try:
-            self.cancels.call(entry.cancel, lambda outcome, why: on_answer(outcome == "succeeded"))
-        except (Exception, SystemExit):  # noqa: BLE001 - a connector is not trusted to behave
-            on_answer(False)
+            self.cancels.call(effect.number, entry.cancel, answered)
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - a connector is not trusted to behave
+            on_answer(in_words(error))
 
     def _accepted(self, effect: StartGoal, data: Mapping[str, Any]) -> None:
         """A server has taken a goal; once the run is over, there is no state that could cancel it."""
@@ -276,6 +318,9 @@ class Goals:
         self._ids.pop(number, None)
         self._unwanted.discard(number)
         self._starting.discard(number)
+        self._waiting.discard(number)
+        if number not in self._lost:
+            self.cancels.drop(number)
         for action, cancel in list(self._composed.items()):
             if cancel.number == number:
                 del self._composed[action]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What is done on a run's thread, and when: at an instant of its clock, or before its next event.
 
-Rule: from any thread only `post`, `call_soon`, `wake` and `now`; the rest belongs to the run's own.
+Rule: from any thread only `post`, `call_soon`, `call_later`, `wake` and `now`; the rest belongs to the run's own.
 """
 
 from __future__ import annotations
@@ -53,6 +53,10 @@ class Scheduler:
     def call_at(self, at: float, do: Callable[[], None]) -> None:
         """Have something done at an instant of the run's clock."""
         heapq.heappush(self._at, (at, next(self._order), do))
+
+    def call_later(self, seconds: float, do: Callable[[], None]) -> None:
+        """Have something done on the run's thread after so many seconds of its clock; from any thread."""
+        self.call_soon(lambda: self.call_at(self.now() + seconds, do))
 
     @property
     def due(self) -> float:

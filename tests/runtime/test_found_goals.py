@@ -47,6 +47,7 @@ def resumed(*, accepted: bool = False, repeat: bool = False) -> tuple[ScriptedRo
         Robot.model_validate({"name": "robot", "actions": {"move": move}}),
         robot,
         on_event=lambda kind, name, number, data: events.append(name if kind == "result" else kind),
+        later=lambda seconds, do: None,
     )
     goals.resume(StartGoal(1, "moving", "move", {}), accepted=accepted, on_doubt=lambda: events.append("doubt"))
     return robot, events

@@ -90,6 +90,7 @@ def test_a_goal_that_may_have_arrived_is_canceled_and_one_that_cannot_have_is_no
         Robot.model_validate(ROBOT),
         connector,
         on_event=lambda kind, name, number, data: reported.append((number, name)),
+        later=lambda seconds, do: None,
     )
     with pytest.raises(RuntimeError):
         goals.start(StartGoal(1, "moving", "move", {}))

@@ -176,7 +176,9 @@ def test_a_goal_that_its_server_has_yet_to_accept_is_found_by_being_sent_again(
     move = {"action": action_of(peer), "type": FIBONACCI}
     robot, events = Robot.model_validate({"name": "robot", "actions": {"move": move}}), Inbox[str](30.0)
     run = uuid.uuid4().hex
-    goals = Goals(run, robot, ours, on_event=lambda kind, name, number, data: events(name))
+    goals = Goals(
+        run, robot, ours, on_event=lambda kind, name, number, data: events(name), later=lambda seconds, do: None
+    )
     effect, before = StartGoal(1, "moving", "move", {"order": SLOW_TO_ACCEPT}), Inbox[Report](30.0)
     goal_id = id_of_goal(run, effect.number, effect.owner)
     ours.find_goal(action_of(peer), FIBONACCI, goal_id=uuid.uuid4().hex, on_report=before)
