@@ -6,13 +6,16 @@ Rule: who writes on a topic is a person, whatever name the message has.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from rai_missions.agents.talk.doors import OnSpoken, TakesSentence, TalkLine
+from rai_missions.connectors.hri.assembly import ReceivedMessage
 from rai_missions.connectors.hri.connector import FROM_HUMAN, TO_HUMAN, HRIConnector
 from rai_missions.connectors.hri.message import MOST_NAME, HRIMessage
 from rai_missions.conversation import Speech
-from rai_missions.errors import MissionError
+from rai_missions.conversation.inputs import SpeechResult
+from rai_missions.errors import ConnectorError, MissionError
 from rai_missions.redaction import cut, logger
 
 __all__ = ("HRIDoor",)
@@ -37,6 +40,7 @@ class HRIDoor:
         self, hri: HRIConnector, name: str = "", *, below: str = "", is_stop: Callable[[str], bool] = lambda _: False
     ) -> None:
         self._hri, self._name, self._is_stop = hri, cut(name, 200), is_stop
+        self._refused_at = -math.inf
         self._from, self._to = below + FROM_HUMAN, below + TO_HUMAN
 
     def open(self, take: TakesSentence) -> None:
@@ -52,9 +56,15 @@ class HRIDoor:
                 age_s=message.age_s,
             )
             if why:
-                log.warning("a message on %s is not taken: %s", self._from, why)
+                self._refuse(message.name, why)
 
-        self._hri.listen(self._from, receive)
+        def refuse(fault: ReceivedMessage | ConnectorError) -> None:
+            if isinstance(fault, ConnectorError):
+                self._refuse("", str(fault))
+            elif not fault.duplicated:  # the first has been taken
+                self._refuse(fault.message.name, fault.why)
+
+        self._hri.listen(self._from, receive, on_fault=refuse)
         if self._from != FROM_HUMAN:  # a person who calls out to stop may not know which robot it is
             self._hri.listen(FROM_HUMAN, lambda message: receive(message) if self._is_stop(message.text) else None)
 
@@ -64,14 +74,24 @@ class HRIDoor:
 
     def speak(self, speech: Speech, on_end: OnSpoken) -> None:
         """Publish; whether anyone was reached, no topic reports. A report is a communication of its own."""
-        report = cut(speech.report, MOST_NAME)
+        on_end(self._publish(speech.words, cut(speech.report, MOST_NAME)))
+
+    def _refuse(self, author: str, why: str) -> None:
+        """Reply to a person whose message is not taken; a flood has one reply a second."""
+        log.warning("a message of '%s' on %s is not taken: %s", cut(author, 40), self._from, cut(why, 300))
+        at = self._hri.now()
+        if at - self._refused_at >= 1.0:
+            self._refused_at = at
+            whom = f"{cut(author, 40)}: y" if author else "Y"
+            self._publish(f"{whom}our message is not taken: {cut(why, 300)}")
+
+    def _publish(self, text: str, report: str = "") -> SpeechResult:
         try:
-            self._hri.send(HRIMessage(speech.words, author="ai", name=self._name, communication_id=report), self._to)
+            self._hri.send(HRIMessage(text, author="ai", name=self._name, communication_id=report), self._to)
         except MissionError as error:
             log.warning("%s: %s", self._to, cut(error, 200))
-            on_end("failed")
-        else:
-            on_end("whole")
+            return "failed"
+        return "whole"
 
     def silence(self, *, is_total: bool = True) -> None:
         """What is sent is sent."""

@@ -54,7 +54,7 @@ class HRIConnector:
         within_s: float = 30.0,
     ) -> None:
         self.connector = connector
-        self._now, self._within_s = now, within_s
+        self.now, self._within_s = now, within_s
         self._worker = Worker("parts of messages")
         self._later = later or self._worker.after
         self._closes: list[Close] = []
@@ -100,7 +100,7 @@ class HRIConnector:
         report = on_fault or _logged
         assembly = Assembly(within_s=self._within_s, lone_s=LONE_S if writer == "human" else self._within_s)
         inbox = PartsInbox(
-            assembly, lambda found: (report if found.why else _passing(on_message))(found), self._now, self._later
+            assembly, lambda found: (report if found.why else _passing(on_message))(found), self.now, self._later
         )
 
         def receive(message: Message) -> None:

@@ -15,7 +15,7 @@ from typing import Any
 from rai_missions.connectors.connector import Data
 from rai_missions.connectors.hri.message import Audio, Author, HRIMessage, size_of
 from rai_missions.errors import ConnectorError, UsageError, in_words
-from rai_missions.image import Image, file_kind
+from rai_missions.image import CHANNELS, Image, file_kind
 from rai_missions.redaction import shown
 
 __all__ = ("TYPE", "message_from_data", "message_to_data")
@@ -99,8 +99,15 @@ def _list(field: str, value: Any) -> list[Any]:
 def _image(field: str, value: Any) -> Image:
     found = value if isinstance(value, Image) else _mapping(field, value).get("data")
     if not isinstance(found, Image):
-        encoding = value.get("encoding") if isinstance(value, Mapping) else None
-        raise UsageError(f"{field}: encoding {shown(encoding)} is no picture that can be shown, such as 'rgb8'")
+        fields = value if isinstance(value, Mapping) else {}
+        encoding, data = fields.get("encoding"), fields.get("data")
+        if encoding in CHANNELS and isinstance(data, bytes):
+            size = f"{fields.get('width')}x{fields.get('height')} pixels of {encoding}"
+            step = fields.get("step")
+            raise UsageError(f"{field}: {len(data)} bytes are no {size}, with {step} bytes a line")
+        raise UsageError(
+            f"{field}: encoding {shown(encoding)} is no picture that can be shown; those are {', '.join(CHANNELS)}"
+        )
     try:
         data = found.data
     except Exception as fault:  # made when it is asked for, by whatever camera

@@ -474,6 +474,35 @@ def test_a_person_on_the_topic_asks_and_stops_and_orders_nothing_else() -> None:
     connector.stop()
 
 
+def test_a_person_on_the_topic_receives_why_a_message_is_not_taken() -> None:
+    connector, received, at = LocalConnector(), Inbox[HRIMessage](), 0.0
+    connector.start()
+    hri, person = HRIConnector(connector, now=lambda: at), HRIConnector(connector)
+    person.listen(TO_HUMAN, received)
+    door = HRIDoor(hri, "rob")
+    door.open(lambda text, **_: "" if len(text) < 9 else "it is too long")
+    wanted = {
+        "it is too long": HRIMessage("far too long", name="Ann"),
+        "part 3 has no communication_id": HRIMessage("pause", name="Ann", seq_no=3),
+    }
+    for why, message in wanted.items():
+        at += 1.0
+        for _ in range(50):  # a flood has one reply a second
+            person.send(message, FROM_HUMAN)
+        assert f"Ann: your message is not taken: {why}" in received.all[-1].text
+    at += 1.0
+    connector.publish(FROM_HUMAN, TYPE, {"text": "pause", "seq_no": "x"})
+    assert "Your message is not taken: /from_human: seq_no" in received.all[-1].text
+    parts = [HRIMessage(text, communication_id="7", seq_no=no, seq_end=no == 1) for no, text in enumerate("ab")]
+    for part in (*parts, parts[1]):  # what comes twice is taken once
+        at += 1.0
+        person.send(part, FROM_HUMAN)
+    assert len(received.all) == 3 and all(each.author == "ai" and each.name == "rob" for each in received.all)
+    hri.close()
+    person.close()
+    connector.stop()
+
+
 def test_an_order_that_was_sent_long_ago_does_not_count_and_a_stop_does() -> None:
     connector, received = LocalConnector(), Inbox[HRIMessage]()
     connector.start()

@@ -135,6 +135,10 @@ def failing() -> bytes:
         (Image("x", 2, 2, "exe", b"abc"), "images/0: 3 bytes are no picture in 'exe'"),
         (Image("x", 1, 1, "rgb8", failing), "images/0: the picture cannot be had: 'no light'"),
         ({"encoding": "16UC1", "data": b"abc"}, "images/0: encoding '16UC1' is no picture that can be shown"),
+        (
+            {"encoding": "rgb8", "width": 64, "height": 48, "step": 192, "data": b"abc"},
+            "images/0: 3 bytes are no 64x48 pixels of rgb8, with 192 bytes a line",
+        ),
         (7, "images/0: 7 is given where the fields of a message belong"),
     ],
 )  # fmt: skip
