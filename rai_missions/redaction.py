@@ -33,6 +33,7 @@ __all__ = (
     "is_secret_name",
     "logger",
     "passwords_in",
+    "quotable",
     "redacted",
     "secrets_held",
     "shown",
@@ -273,6 +274,7 @@ def _written(text: str) -> Iterator[str]:
 
 ESCAPES = {ord(each): f"\\u{ord(each):04x}" for each in "<>\x85\u2028\u2029"}
 """What JSON leaves as it is and could end a block, or begin a line for a reader of Unicode."""
+MARKS = str.maketrans(dict.fromkeys('"“”„‟«»〝〞〟', "'"))
 MARGIN = 1_000
 """Characters beyond the longest secret that are looked at, for those that are known by their shape."""
 
@@ -318,6 +320,11 @@ def clipped(text: str, length: int) -> str:
 def closed(text: str) -> str:
     """JSON text as one line, with nothing in it that could end the block of a prompt that it is in."""
     return text.translate(ESCAPES)
+
+
+def quotable(text: str) -> str:
+    """A text in one line and without quotation marks: between two of them it is unable to end its quotation."""
+    return " ".join(text.translate(MARKS).split())
 
 
 def shown(value: Any, length: int = 60, *, by: Callable[[str, int], str] = cut) -> str:

@@ -6,6 +6,8 @@ from __future__ import annotations
 import hashlib
 from typing import NamedTuple
 
+from rai_missions.redaction import quotable
+
 __all__ = ("DocumentPassage", "FoundPassages")
 
 
@@ -45,11 +47,12 @@ class FoundPassages(NamedTuple):
         return bool(self.passages)
 
     def words(self) -> str:
-        """The answer in words: each passage quoted, with its source."""
+        """The answer in words: a line for each passage, quoted, with its source."""
         if not self.passages:
             return f"The documents have no answer{self._about()}."
         return "\n".join(
-            f"{number}. {each.source}: “{each.text}”" for number, each in enumerate(self.passages, start=1)
+            f"{number}. {quotable(each.source)}: “{quotable(each.text)}”"
+            for number, each in enumerate(self.passages, start=1)
         )
 
     def _about(self) -> str:

@@ -16,7 +16,7 @@ from rai_missions.conversation.grammar.unread_sentence import is_question
 from rai_missions.conversation.inputs import DocumentQuote, FoundQuotes, Utterance
 from rai_missions.conversation.outputs import LookUp
 from rai_missions.planning.text.normalise import LONGEST, readable
-from rai_missions.redaction import cut
+from rai_missions.redaction import cut, quotable
 
 __all__ = ("DocumentSide",)
 
@@ -26,8 +26,6 @@ MOST_QUOTES, LONGEST_QUOTE, LONGEST_SOURCE = 2, 400, 120
 """Quotations of an answer, and the characters of each and of its source."""
 PATIENCE_S = 1.0
 """A look that takes longer is reported."""
-MARKS = str.maketrans(dict.fromkeys('"“”„‟«»〝〞〟', "'"))
-"""A text is unable to end its quotation: every mark in it is an apostrophe."""
 
 
 class OpenLook(NamedTuple):
@@ -122,4 +120,4 @@ class DocumentSide:
 
 def _quotable(text: str, length: int) -> str:
     """A document's text in one line, without characters that are not shown, and without quotation marks."""
-    return cut(" ".join(readable(text, by=cut).translate(MARKS).split()), length)
+    return cut(quotable(readable(text, by=cut)), length)
