@@ -38,7 +38,7 @@ class View(NamedTuple):
     board: dict[str, Stamped]
     active: frozenset[str] = frozenset()
     entered: Mapping[str, float] = {}
-    held: Mapping[str, float] = {}
+    true_since: Mapping[str, float] = {}
     event: Mapping[str, Any] = {}
     answer: Mapping[str, Any] = {}
 

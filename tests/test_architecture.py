@@ -49,7 +49,7 @@ def test_each_room_has_a_door_that_is_there(walks: ModuleType) -> None:
 
 
 CHART, RUNNER = "rai_missions.engine.chart:Chart.send", "rai_missions.runtime.runner:Runner"
-VALUE, SINK = "rai_missions.engine.short_way:value", "rai_missions.journal.buffer:JournalSink.write"
+VALUE, SINK = "rai_missions.engine.short_way:short_step", "rai_missions.journal.buffer:JournalSink.write"
 
 
 @pytest.mark.parametrize(

@@ -179,7 +179,7 @@ def _is_settled(guard: Guard, index: MissionIndex) -> bool:
     """Whether the value of a guard stays the same for the whole of a run."""
     site = Site("", index.mission.blackboard)
     guard.compiled(site)
-    if site.clocked or site.holds or site.states or site.named:
+    if site.clocked or site.held_guards or site.states or site.named:
         return False
     return all(_lasts(path, index) for path in site.reads)
 

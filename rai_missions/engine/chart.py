@@ -175,26 +175,26 @@ class Chart(ChartView):
             is_other = at.__class__ is not float and at.__class__ is not int
             if not state.quick or kind != "event" or is_other or not BEFORE < at < state.wake:
                 if kind == "write" and state.quick and not is_other and BEFORE < at < state.wake:
-                    return short_way.reading(self._program, state, event)
+                    return short_way.receive_reading(self._program, state, event)
                 check_event(event, "a chart")
                 return make_step(self._program, state, event)
             direct = state.config.direct.get(name)
             if direct is None:
-                return short_way.step(self._program, state, event)
+                return short_way.receive_event(self._program, state, event)
             if at > state.at:
                 state.at = at
             state.event = data
-            test, looked, leap = direct
+            test, looked, move = direct
             if test is not None and (value := test(state)) is not True:
-                return short_way.value(state, event, (), ((looked[0][0], value),))
-            write, written = leap.write, NO_WRITES
-            if state.listening or (write is None and leap.acts):
-                return short_way.leapt(self._program, state, event, leap, looked)
+                return short_way.short_step(state, event, (), ((looked[0][0], value),))
+            write, written = move.write, NO_WRITES
+            if state.listening or (write is None and move.acts):
+                return short_way.finish_move(self._program, state, event, move, looked)
             if write is not None:
                 written = write(state)
                 if written is None:
-                    return short_way.leapt(self._program, state, event, leap, looked)
-            state.config = leap.config
+                    return short_way.finish_move(self._program, state, event, move, looked)
+            state.config = move.config
             state.seq = seq = state.seq + 1
             state.quiet = False
             wake = state.wake
@@ -204,7 +204,7 @@ class Chart(ChartView):
                     seq,
                     state.at,
                     event,
-                    leap.moves,
+                    move.values,
                     looked,
                     written,
                     None,

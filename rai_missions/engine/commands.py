@@ -17,7 +17,7 @@ from rai_missions.engine.blackboard import known, note_news
 from rai_missions.engine.completion import end, kill
 from rai_missions.engine.handover import ask_back, lay_down
 from rai_missions.engine.hold import awake, held_controls, holder_of, is_held, run_at
-from rai_missions.engine.macrostep import check_stopped, complete, jump
+from rai_missions.engine.macrostep import check_stopped, complete, make_move
 from rai_missions.engine.modes import refusal
 from rai_missions.engine.program import Program
 from rai_missions.engine.reports import handle_late
@@ -76,7 +76,7 @@ def _cancel(program: Program, state: RunState, by: str) -> None:
         return end(program, state, "canceled", state.why)
     state.final = None
     target = program.graph.nodes[program.mission.on_cancel]
-    jump(program, state, program.graph.jump_to(state.config, target, state.memory, "cancel"))
+    make_move(program, state, program.graph.move_to(state.config, target, state.memory, "cancel"))
     complete(program, state, None)
 
 

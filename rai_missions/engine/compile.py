@@ -41,7 +41,7 @@ class CompiledMission:
         self.named: set[str] = set()
         """The predicates of the user's program that transitions, finals and invariants name."""
         self.uses_history = False
-        """Some default entry looks up a memory, so that every leap may depend on what is remembered."""
+        """Some default entry looks up a memory, so that every move may depend on what is remembered."""
         self._content = content
         self._add(mission.states, self.root, "/states")
         self.root.last = len(self.order) - 1
@@ -58,7 +58,7 @@ class CompiledMission:
         }
         guarded = [(each.source, each.condition) for each in self.transitions.values() if each.condition is not None]
         guarded += [(self.root, each) for each in self.invariants.values()]
-        self.keepers = {memory: node for node, condition in guarded for memory in condition.holds}
+        self.held_owners = {memory: node for node, condition in guarded for memory in condition.held_guards}
         """Memory of a `held` guard → the state whose transition it guards; the root for an invariant."""
         self.invariant_reads = frozenset[str]().union(*(each.reads for each in self.invariants.values()))
         self._configurations: dict[tuple[CompiledState, ...], Configuration] = {}
@@ -130,7 +130,7 @@ class CompiledMission:
                 self.nodes[definition.of].of_it.append(transition)
             self.transitions[transition.place] = transition
             node.timed = node.timed or definition.after_s is not None
-            has_held = transition.condition is not None and bool(transition.condition.holds)
+            has_held = transition.condition is not None and bool(transition.condition.held_guards)
             node.watches = node.watches or definition.eventless or has_held
 
     def _acts(self, effects: Iterable[Effect], place: str, node: CompiledState) -> tuple[Act, ...]:
@@ -153,7 +153,7 @@ class CompiledMission:
         for name in site.clocked:
             (self.nodes[name] if name else self.root).clocked = True
         return CompiledGuard(
-            place, guard, test, frozenset(site.reads), site.watched, tuple(site.instants), dict(site.holds)
+            place, guard, test, frozenset(site.reads), site.watched, tuple(site.instants), dict(site.held_guards)
         )
 
     def configuration(self, atomic: Iterable[CompiledState]) -> Configuration:

@@ -40,7 +40,7 @@ class WriteAct:
     """An act that writes one key and needs nothing of the step in hand, where its value is of the simplest sort.
 
     Args:
-        write: Makes the act in that case; `CompiledStep.write` uses it alone.
+        write: Makes the act in that case; `CompiledMove.write` uses it alone.
         otherwise: Makes it in any other.
     """
 
@@ -79,7 +79,7 @@ class CompiledGuard(NamedTuple):
     watched: frozenset[str]
     """All but time by which it is woken (`Site.watched`)."""
     instants: tuple[Instant, ...]
-    holds: Mapping[str, Test]
+    held_guards: Mapping[str, Test]
 
 
 class CompiledState:

@@ -16,9 +16,9 @@ from rai_missions.guards.view import Test, Truth
 from rai_missions.states.transition import ANY_EVENT
 
 __all__ = (
-    "CompiledStep",
+    "CompiledMove",
     "Configuration",
-    "DirectStep",
+    "DirectMove",
     "Looked",
     "Plan",
     "exchanged",
@@ -34,15 +34,15 @@ Plan = tuple[tuple[CompiledTransition, ...], ...]
 """Chains of transitions: of each the first fires whose guard is true."""
 
 
-class CompiledStep:
+class CompiledMove:
     """What taking certain transitions in a configuration does: a `Move` and all that the chart needs to make it."""
 
     __slots__ = (
-        "acts", "config", "entered", "exited", "lists", "move", "moves", "plain", "remember", "shifts", "write",
+        "acts", "config", "entered", "exited", "lists", "plain", "remember", "shifts", "value", "values", "write",
     )  # fmt: skip
 
-    def __init__(self, move: Move, config: Configuration, acts: tuple[Act, ...]) -> None:
-        self.move, self.moves, self.config, self.acts = move, (move,), config, acts
+    def __init__(self, value: Move, config: Configuration, acts: tuple[Act, ...]) -> None:
+        self.value, self.values, self.config, self.acts = value, (value,), config, acts
         only = acts[0] if len(acts) == 1 else None
         self.write: Write | None = only.write if isinstance(only, WriteAct) else None
         """Does what `acts` do, where that is one write and no one listens to keys."""
@@ -57,14 +57,14 @@ class CompiledStep:
         self.plain = False
         """Nothing but the move and its acts: no timer, activity, final, history, or transition without an event.
 
-        `Chart.send` makes such a step by itself, without `macrostep.jump`: what must happen at each entry or exit has
-        to be done in both places.
+        `Chart.send` makes such a move by itself, without `macrostep.make_move`: what must happen at each entry or exit
+        has to be done in both places.
         """
 
 
 Looked = tuple[tuple[str, Truth], ...]
 """JSON pointers of guards that were looked at, and their truth."""
-DirectStep = tuple[Test | None, Looked, CompiledStep]
+DirectMove = tuple[Test | None, Looked, CompiledMove]
 """The guard of the transition, if it has one, what a step notes of it where it is true, and what taking it does."""
 
 
@@ -75,7 +75,7 @@ class Configuration:
     """
 
     __slots__ = (
-        "__dict__", "atomic", "direct", "eventless", "holds", "instants", "leaps", "order", "plans", "reads",
+        "__dict__", "atomic", "direct", "eventless", "held_guards", "instants", "moves", "order", "plans", "reads",
         "watchful",
     )  # fmt: skip
 
@@ -85,18 +85,18 @@ class Configuration:
         self.order = order
         """All active states and the root, in document order."""
         self.plans: dict[str, Plan] = {}
-        self.leaps: dict[Any, CompiledStep] = {}
-        self.direct: dict[str, DirectStep] = {}
-        """An event that fires the same plain step whenever it fires → that step; those that happened so far."""
+        self.moves: dict[Any, CompiledMove] = {}
+        self.direct: dict[str, DirectMove] = {}
+        """An event that makes the same plain move whenever it makes one → that move; of the events so far."""
         watching = [*filter(_watches, order)]
         self.eventless = self._chains(None, declared=False) if watching else ()
         transitions = [each for node in watching for each in node.transitions]
         guarded = [(each.condition, each.definition.eventless) for each in transitions if each.condition is not None]
-        self.holds = {memory: test for condition, _ in guarded for memory, test in condition.holds.items()}
-        looked_at = [condition for condition, eventless in guarded if eventless or condition.holds]
+        self.held_guards = {memory: test for condition, _ in guarded for memory, test in condition.held_guards.items()}
+        looked_at = [condition for condition, eventless in guarded if eventless or condition.held_guards]
         self.reads = frozenset[str]().union(*(condition.reads for condition in looked_at))
         self.instants = tuple(instant for condition in looked_at for instant in condition.instants)
-        self.watchful = bool(self.eventless or self.holds)
+        self.watchful = bool(self.eventless or self.held_guards)
 
     @cached_property
     def key(self) -> tuple[int, ...]:
@@ -125,8 +125,8 @@ class Configuration:
         return frozenset(each for each in found if each is not None)
 
     def forget(self) -> None:
-        """Drop the steps that were worked out; they lead round in circles, which only a search for garbage finds."""
-        self.leaps.clear()
+        """Drop the moves that were worked out; they lead round in circles, which only a search for garbage finds."""
+        self.moves.clear()
         self.direct.clear()
 
     def plan(self, event: str, *, declared: bool) -> Plan:

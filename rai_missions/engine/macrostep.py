@@ -23,7 +23,7 @@ from rai_missions.engine.completion import (
     settle_final,
     settle_nested,
 )
-from rai_missions.engine.configuration import CompiledStep, Plan
+from rai_missions.engine.configuration import CompiledMove, Plan
 from rai_missions.engine.hold import free, is_held
 from rai_missions.engine.program import Program
 from rai_missions.engine.running import begin_starting, leave_activity, outcome_of, poll
@@ -33,7 +33,7 @@ from rai_missions.engine.waiting import event_of, keep_trigger, wait_out_pause
 from rai_missions.guards.view import Test, Truth
 from rai_missions.mission.mission import BUILT_IN_EVENTS
 
-__all__ = ("MOST_MICROSTEPS", "check_stopped", "complete", "enabled", "jump", "react")
+__all__ = ("MOST_MICROSTEPS", "check_stopped", "complete", "enabled", "make_move", "react")
 
 MOST_MICROSTEPS = 10_000
 """Microsteps at one instant; a mission that wants more runs in circles."""
@@ -81,8 +81,8 @@ def complete(program: Program, state: RunState, trigger: Trigger | None, *, made
             trigger = None
             continue
         config = state.config
-        if config.holds or program.always_held:
-            _hold(program, state)
+        if config.held_guards or program.held_in_invariants:
+            _note_held(program, state)
         waiting = config.eventless if not state.frozen else free(state, config.eventless)
         if waiting and (transitions := enabled(state, waiting, draft.looked)):
             taken = tuple([transition.place for transition in transitions])
@@ -173,32 +173,32 @@ def _unanswered(program: Program, state: RunState, trigger: Trigger, source: Com
 
 
 def _take(program: Program, state: RunState, transitions: list[CompiledTransition], trigger: str) -> None:
-    jump(program, state, program.graph.leap(state.config, tuple(transitions), state.memory, trigger))
+    make_move(program, state, program.graph.move_of(state.config, tuple(transitions), state.memory, trigger))
 
 
-def jump(program: Program, state: RunState, step: CompiledStep) -> None:
+def make_move(program: Program, state: RunState, move: CompiledMove) -> None:
     """Make one microstep."""
-    if not program.surroundings.before_step(state, step):
+    if not program.surroundings.before_move(state, move):
         return _end_circle(program, state)
-    if step.remember:
-        _remember(state, step)
-    for node in step.exited:
+    if move.remember:
+        _remember(state, move)
+    for node in move.exited:
         _exit(program, state, node)
     if state.draft.internal or state.draft.starting or state.kept:
-        _outdate(state, step.exited)
-    state.config = step.config
-    state.draft.presence_changes |= step.shifts
-    state.draft.moves.append(step.move)
-    for act in step.acts:
+        _outdate(state, move.exited)
+    state.config = move.config
+    state.draft.presence_changes |= move.shifts
+    state.draft.moves.append(move.value)
+    for act in move.acts:
         act(program, state)
-    for node in step.entered:
+    for node in move.entered:
         _enter(program, state, node)
 
 
-def _remember(state: RunState, step: CompiledStep) -> None:
+def _remember(state: RunState, move: CompiledMove) -> None:
     """Note what histories lead back to, and where in their lists the states are that they lead back into."""
-    state.memory.update(step.remember)
-    for history, node in step.lists:
+    state.memory.update(move.remember)
+    for history, node in move.lists:
         state.lists[history.name, node.name] = current_round(state, node)
 
 
@@ -212,10 +212,10 @@ def _exit(program: Program, state: RunState, node: CompiledState) -> None:
     _forget_waiting(state, node)
     if node.clocked:
         state.entered.pop(node.name, None)
-    if state.held:
+    if state.true_since:
         for transition in node.transitions:
-            for memory in transition.condition.holds if transition.condition else ():
-                state.held.pop(memory, None)
+            for memory in transition.condition.held_guards if transition.condition else ():
+                state.true_since.pop(memory, None)
     if node.is_final and node.parent is not None and node.parent.is_each:
         _resume_last_round(state, node.parent)
 
@@ -255,7 +255,7 @@ def _forget_waiting(state: RunState, node: CompiledState) -> None:
 
 
 def _enter(program: Program, state: RunState, node: CompiledState) -> None:
-    """Become active; a plain step (`CompiledStep.plain`) of the short way in `Chart.send` does without this."""
+    """Become active; a plain move (`CompiledMove.plain`) of the short way in `Chart.send` does without this."""
     if node.control is not None:
         program.surroundings.before_entry(state, node)
     if node.clocked:
@@ -290,7 +290,7 @@ def _next_round(program: Program, state: RunState, node: CompiledState, *, is_en
     items, index = state.rounds[node.name]
     if index < len(items):
         if (is_entry and is_current(state, node, items[index])) or set_item(program, state, node, items[index]):
-            jump(program, state, program.graph.reenter(state.config, node, state.memory))
+            make_move(program, state, program.graph.reenter(state.config, node, state.memory))
     else:
         _end_list(program, state, node)
 
@@ -317,25 +317,25 @@ def _pass_round(program: Program, draft: StepDraft, node: CompiledState) -> None
 
 def check_stopped(program: Program, state: RunState) -> None:
     """Check the invariants in a pause; their guards inside `held` have no time that stops."""
-    _watch(state, program.always_held)
+    _note_true(state, program.held_in_invariants)
     check_invariants(program, state)
 
 
-def _hold(program: Program, state: RunState) -> None:
+def _note_held(program: Program, state: RunState) -> None:
     """Remember since when the guards inside `held` have been true; those of held states wait for the hand-back."""
-    holds, keepers = state.config.holds, program.graph.keepers
+    guards, owners = state.config.held_guards, program.graph.held_owners
     if state.frozen:
-        holds = {memory: test for memory, test in holds.items() if keepers[memory].control not in state.frozen}
-    _watch(state, holds)
-    _watch(state, program.always_held)
+        guards = {memory: test for memory, test in guards.items() if owners[memory].control not in state.frozen}
+    _note_true(state, guards)
+    _note_true(state, program.held_in_invariants)
 
 
-def _watch(state: RunState, holds: Mapping[str, Test]) -> None:
-    for memory, test in holds.items():
+def _note_true(state: RunState, guards: Mapping[str, Test]) -> None:
+    for memory, test in guards.items():
         is_true = test(state) is True
-        if is_true is not (memory in state.held):
+        if is_true is not (memory in state.true_since):
             state.draft.touched = True
             if is_true:
-                state.held[memory] = state.at
+                state.true_since[memory] = state.at
             else:
-                del state.held[memory]
+                del state.true_since[memory]

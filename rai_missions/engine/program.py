@@ -43,8 +43,18 @@ class Program:
     """
 
     __slots__ = (
-        "always_held", "declared", "facts", "graph", "has_trees", "invariants", "keys", "machines", "mission", "named",
-        "surroundings", "ticker",
+        "declared",
+        "facts",
+        "graph",
+        "has_trees",
+        "held_in_invariants",
+        "invariants",
+        "keys",
+        "machines",
+        "mission",
+        "named",
+        "surroundings",
+        "ticker",
     )  # fmt: skip
 
     def __init__(
@@ -72,7 +82,9 @@ class Program:
         self.declared = frozenset(mission.events)
         self.machines: dict[str, Machine | None] = {}
         self.invariants: tuple[tuple[str, CompiledGuard], ...] = tuple(self.graph.invariants.items())
-        self.always_held = {memory: test for _, each in self.invariants for memory, test in each.holds.items()}
+        self.held_in_invariants = {
+            memory: test for _, each in self.invariants for memory, test in each.held_guards.items()
+        }
 
     def machine(self, node: CompiledState) -> Machine | None:
         """The machine of a state's activity; None for a state that runs nothing."""

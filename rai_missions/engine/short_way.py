@@ -14,7 +14,7 @@ from rai_missions.engine.activities.ticker import TickResult
 from rai_missions.engine.activities.tree import acted
 from rai_missions.engine.blackboard import is_other, value_at
 from rai_missions.engine.compiled_states import Written
-from rai_missions.engine.configuration import CompiledStep, Looked
+from rai_missions.engine.configuration import CompiledMove, Looked
 from rai_missions.engine.decision import with_verdicts
 from rai_missions.engine.listening import RunningTree, WatchedNames
 from rai_missions.engine.macrostep import complete, enabled
@@ -30,14 +30,14 @@ from rai_missions.given import check_event
 from rai_missions.guards.view import Truth
 from rai_missions.keys import Stamped, type_error
 
-__all__ = ("BEFORE", "leapt", "reading", "step", "value")
+__all__ = ("BEFORE", "finish_move", "receive_event", "receive_reading", "short_step")
 
 _new = tuple.__new__
 BEFORE = -inf
 """Ahead of every time."""
 
 
-def reading(program: Program, state: RunState, event: Event) -> Step:
+def receive_reading(program: Program, state: RunState, event: Event) -> Step:
     """What a write does at which no one looks, or one tree alone."""
     name, at, data, _, _ = event
     listening, board = state.listening, state.board
@@ -55,13 +55,13 @@ def reading(program: Program, state: RunState, event: Event) -> Step:
     looking: RunningTree | None = None
     for each in trees:
         if each[1].listens(each[2], (name,)):
-            if looking is not None or state.config.watchful or program.always_held:
+            if looking is not None or state.config.watchful or program.held_in_invariants:
                 return make_step(program, state, event)
             looking = each
     state.at = now
     board[name] = made = _new(Stamped, (given, stamp))
     if looking is None or watched is None:
-        return value(state, event, (), (), ((name, given),), quiet=True)
+        return short_step(state, event, (), (), ((name, given),), quiet=True)
     if key.max_age_s is None and entry is not None:
         is_news = not (given is entry.value or given == entry.value)
     else:
@@ -85,7 +85,7 @@ def _looked_at(
                 state.listening = listening.with_tree((name, machine, rests))
                 if rests.wake != activity.wake:
                     state.wake = next_instant(program, state)
-            return value(state, event, (), (), (written,), quiet=rests is activity)
+            return short_step(state, event, (), (), (written,), quiet=rests is activity)
     draft, host = state.draft, Host(program, state)
     draft.written.append(written)
     draft.polled = 1
@@ -108,10 +108,10 @@ def _looked_at(
     draft.effects, draft.touched, draft.polled = [], False, 0
     draft.written.clear()
     draft.tree_rounds.clear()
-    return value(state, event, (), (), (written,), effects, quiet=turn is None)
+    return short_step(state, event, (), (), (written,), effects, quiet=turn is None)
 
 
-def step(program: Program, state: RunState, event: Event) -> Step:
+def receive_event(program: Program, state: RunState, event: Event) -> Step:
     """What an event does that has not yet done it in this configuration; if it does little, it is remembered."""
     name, at, data, _, _ = event
     if name not in program.declared:  # one that the engine raises has a plan, too
@@ -126,33 +126,33 @@ def step(program: Program, state: RunState, event: Event) -> Step:
     looked: list[tuple[str, Truth]] = []
     transitions = enabled(state, plan, looked)
     if not transitions:
-        return value(state, event, (), tuple(looked))
-    leap = config.leaps.get((tuple(transitions), name))
-    if leap is None or not leap.plain:
+        return short_step(state, event, (), tuple(looked))
+    move = config.moves.get((tuple(transitions), name))
+    if move is None or not move.plain:
         return make_step(program, state, event)
     first = plan[0][0]
     if all(chain[0].test is None for chain in plan):
-        config.direct[name] = (None, (), leap)
+        config.direct[name] = (None, (), move)
     elif len(plan) == len(plan[0]) == 1:
-        config.direct[name] = (first.test, ((first.place, True),), leap)
-    return leapt(program, state, event, leap, tuple(looked))
+        config.direct[name] = (first.test, ((first.place, True),), move)
+    return finish_move(program, state, event, move, tuple(looked))
 
 
-def leapt(program: Program, state: RunState, event: Event, leap: CompiledStep, looked: Looked) -> Step:
+def finish_move(program: Program, state: RunState, event: Event, move: CompiledMove, looked: Looked) -> Step:
     """The end of a step that makes a move; its time and its payload are the run's already."""
-    if not state.listening.isdisjoint(leap.shifts):
+    if not state.listening.isdisjoint(move.shifts):
         return make_step(program, state, event)
-    state.config = leap.config
-    if not leap.acts:
-        return value(state, event, leap.moves, looked)
+    state.config = move.config
+    if not move.acts:
+        return short_step(state, event, move.values, looked)
     draft, timers = state.draft, (state.order, len(state.timers))
-    for act in leap.acts:
+    for act in move.acts:
         act(program, state)
     written = draft.written
     if draft.internal or (written and state.listening):
-        draft.moves.append(leap.move)
+        draft.moves.append(move.value)
         draft.looked += looked
-        draft.presence_changes |= leap.shifts
+        draft.presence_changes |= move.shifts
         complete(program, state, None, made=1)
         return close(program, state, event)
     if (state.order, len(state.timers)) != timers:
@@ -160,13 +160,13 @@ def leapt(program: Program, state: RunState, event: Event, leap: CompiledStep, l
     if draft.effects or draft.notes or draft.news:
         notes = with_verdicts(draft.notes)[0] if draft.notes else ()
         state.draft = StepDraft()
-        return value(state, event, leap.moves, looked, tuple(written), tuple(draft.effects), notes)
-    made = value(state, event, leap.moves, looked, tuple(written))
+        return short_step(state, event, move.values, looked, tuple(written), tuple(draft.effects), notes)
+    made = short_step(state, event, move.values, looked, tuple(written))
     written.clear()
     return made
 
 
-def value(
+def short_step(
     state: RunState,
     event: Event,
     moves: tuple[Move, ...],

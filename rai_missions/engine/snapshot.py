@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.configuration import Configuration
 from rai_missions.engine.program import Program
-from rai_missions.engine.state import TABLE, Holds, RunState, Timer, TimerKey
+from rai_missions.engine.state import TABLE, FieldKind, RunState, Timer, TimerKey
 
 __all__ = ("Snapshot", "broken", "configuration", "control_of", "put_back", "snapshot")
 
@@ -54,7 +54,7 @@ def _memory_in(program: Program, memory: Mapping[str, Iterable[str]]) -> dict[in
     return {nodes[name].index: tuple(nodes[each] for each in held) for name, held in memory.items()}
 
 
-FORMS: Mapping[Holds, Form] = {
+FORMS: Mapping[FieldKind, Form] = {
     "configuration": Form(_names, _configuration),
     "memory": Form(_memory_out, _memory_in),
     "passing": Form(_as_known, _as_known),
@@ -73,14 +73,14 @@ PLAIN = Form(_as_it_is, _as_it_is)
 
 def snapshot(program: Program, state: RunState) -> Snapshot:
     """All that the run remembers, as values that later steps do not change."""
-    return {word: FORMS.get(holds, PLAIN).write(program, getattr(state, name)) for name, word, holds in TABLE}
+    return {word: FORMS.get(kind, PLAIN).write(program, getattr(state, name)) for name, word, kind in TABLE}
 
 
 def put_back(program: Program, state: RunState, saved: Snapshot) -> None:
     """Be where a snapshot was taken; what it does not hold stays as it is."""
-    for name, word, holds in TABLE:
+    for name, word, kind in TABLE:
         if word in saved:
-            setattr(state, name, FORMS.get(holds, PLAIN).read(program, saved[word]))
+            setattr(state, name, FORMS.get(kind, PLAIN).read(program, saved[word]))
     for name in state.running:
         program.machine(program.graph.nodes[name])
 

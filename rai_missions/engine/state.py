@@ -3,7 +3,7 @@
 """All that one run remembers, in one object, and all that one step gathers, in another.
 
 Rule: the fields of `RunState` are the only list of what a run remembers. Copies, snapshots, migrations, the time that
-stops in a pause, and what a proof compares follow from `TABLE`, field by field, by what each holds.
+stops in a pause, and what a proof compares follow from `TABLE`, field by field, by the kind of each.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ from rai_missions.states.control import Holder
 from rai_missions.states.final import FinalOutcome
 
 __all__ = (
-    "HOLDS",
+    "FIELD_KINDS",
     "TABLE",
-    "Holds",
+    "FieldKind",
     "RunState",
     "StateField",
     "StepDraft",
@@ -46,7 +46,7 @@ __all__ = (
 TimerKey = tuple[str, Any]
 """`after` and a transition's place, `timeout` and a state, or `raise` and the timer's id."""
 
-Holds = Literal[
+FieldKind = Literal[
     "value",
     "number",
     "past",
@@ -76,7 +76,7 @@ Holds = Literal[
 ]
 """What a field holds, which decides how it is stored, moved in time, migrated and compared:
 
-| holds           |                                                                          |
+| kind            |                                                                          |
 |-----------------|--------------------------------------------------------------------------|
 | `value`         | a value that decides what can happen next, under no name of the mission  |
 | `number`        | a count by which things of one run differ, and nothing else               |
@@ -109,7 +109,7 @@ A new one has an entry in each table by which it is not left as it is: `snapshot
 `carries` in `replay.migrate.activities`, and in `prove` `rests` and one of `INDIFFERENT`, `AS_IT_IS` and
 `keys_by_kind`.
 """
-HOLDS: tuple[Holds, ...] = get_args(Holds)
+FIELD_KINDS: tuple[FieldKind, ...] = get_args(FieldKind)
 
 
 def unanswered(state: RunState, name: str, arguments: Mapping[str, Any]) -> Truth:
@@ -193,15 +193,15 @@ class StepDraft:
     """`each` → the microsteps, but for `in_rounds`, at which its rounds began; infinite once it was left."""
 
 
-def slot(default: Any, holds: Holds = "value", word: str = "") -> Any:
+def slot(default: Any, kind: FieldKind = "value", word: str = "") -> Any:
     """A field that a run remembers.
 
     Args:
         default: What it is before the start; for a type, a new value of it.
-        holds: What it holds.
+        kind: What it holds.
         word: What it is called in a snapshot, where that is not its name.
     """
-    metadata = {"holds": holds, "word": word}
+    metadata = {"kind": kind, "word": word}
     if isinstance(default, type):
         return field(default_factory=default, metadata=metadata)
     return field(default=default, metadata=metadata)
@@ -216,7 +216,7 @@ class RunState:
     """Now, in seconds on the run's clock."""
     board: Blackboard = slot(dict, "board")
     entered: dict[str, float] = slot(dict, "ages")
-    held: dict[str, float] = slot(dict, "since")
+    true_since: dict[str, float] = slot(dict, "since", "held")
     event: Mapping[str, Any] = slot(dict, "payload")
     answer: Mapping[str, Any] = slot(dict, "payload")
     # -- the run
@@ -322,17 +322,17 @@ class StateField(NamedTuple):
     name: str
     word: str
     """What it is called in a snapshot."""
-    holds: Holds
+    kind: FieldKind
 
 
 TABLE = tuple(
-    StateField(each.name, each.metadata["word"] or each.name, each.metadata["holds"])
+    StateField(each.name, each.metadata["word"] or each.name, each.metadata["kind"])
     for each in fields(RunState)
-    if "holds" in each.metadata
+    if "kind" in each.metadata
 )
 """Every field that a run remembers, in the order of `RunState`: the first arguments of its constructor."""
 _DICTS = tuple(
-    each.name for each in fields(RunState) if each.default_factory is dict and each.metadata["holds"] != "payload"
+    each.name for each in fields(RunState) if each.default_factory is dict and each.metadata["kind"] != "payload"
 )
 """The fields that change in place."""
 _REST = tuple(each.name for each in TABLE if each.name not in _DICTS)

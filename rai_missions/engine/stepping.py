@@ -18,7 +18,7 @@ from rai_missions.engine.completion import enter_each, reach_final
 from rai_missions.engine.decision import stale_verdict, with_verdicts
 from rai_missions.engine.events import handle, handle_before_start
 from rai_missions.engine.hold import held_controls
-from rai_missions.engine.macrostep import complete, jump
+from rai_missions.engine.macrostep import complete, make_move
 from rai_missions.engine.program import Named, Program
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.running import resting, take_back
@@ -82,7 +82,7 @@ def begin_run(program: Program, state: RunState, at: float) -> None:
             board[name] = Stamped(value, state.at)
     state.mode, state.held_since = "running", state.at
     state.frozen = dict.fromkeys(held_controls(program, state), state.at)
-    jump(program, state, program.graph.start(state.memory))
+    make_move(program, state, program.graph.start(state.memory))
     complete(program, state, None)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from rai_missions.engine.hold import run_at
 from rai_missions.engine.program import Program
-from rai_missions.engine.state import TABLE, Holds, RunState
+from rai_missions.engine.state import TABLE, FieldKind, RunState
 
 __all__ = ("give_time_back", "shift")
 
@@ -46,7 +46,7 @@ def _instants(program: Program, value: Mapping[str, float], by_s: float, control
 
 
 def _since(program: Program, value: Mapping[str, float], by_s: float, controls: Controls | None) -> Any:
-    of, always = program.graph.keepers, program.always_held  # invariants are looked at in a pause, too
+    of, always = program.graph.held_owners, program.held_in_invariants  # invariants are looked at in a pause, too
     return {
         each: at + by_s if each not in always and _concerns(controls, of[each].control) else at
         for each, at in value.items()
@@ -73,7 +73,7 @@ def _controls(program: Program, value: Mapping[str, float], by_s: float, control
     return {control: at + by_s if controls is None else at for control, at in value.items()}
 
 
-SHIFTS: Mapping[Holds, Callable[[Program, Any, float, Controls | None], Any]] = {
+SHIFTS: Mapping[FieldKind, Callable[[Program, Any, float, Controls | None], Any]] = {
     "ages": _instants,
     "deadlines": _instants,
     "settling": _instants,
@@ -83,5 +83,5 @@ SHIFTS: Mapping[Holds, Callable[[Program, Any, float, Controls | None], Any]] = 
     "controls": _controls,
 }
 """What a field holds → how it is moved."""
-MOVED = tuple((each.name, SHIFTS[each.holds]) for each in TABLE if each.holds in SHIFTS)
+MOVED = tuple((each.name, SHIFTS[each.kind]) for each in TABLE if each.kind in SHIFTS)
 """The fields that are moved, and how."""

@@ -17,7 +17,7 @@ from rai_missions.guards.view import Truth
 from rai_missions.states.control import Holder
 
 if TYPE_CHECKING:
-    from rai_missions.engine.configuration import CompiledStep
+    from rai_missions.engine.configuration import CompiledMove
     from rai_missions.engine.state import RunState
 
 __all__ = ("Surroundings",)
@@ -38,7 +38,7 @@ class Surroundings:
         """The machine of a state's activity, as it is to be used."""
         return machine
 
-    def before_step(self, state: RunState, step: CompiledStep) -> bool:
+    def before_move(self, state: RunState, move: CompiledMove) -> bool:
         """A microstep is about to be made; False where the macrostep goes round for ever and is to be ended."""
         return True
 

@@ -12,7 +12,7 @@ from typing import Any
 
 from rai_missions.engine.compile import CompiledMission
 from rai_missions.engine.compiled_states import Act, CompiledState, CompiledTransition, Memory
-from rai_missions.engine.configuration import CompiledStep, Configuration, exchanged, innermost, inside, leaves, ordered
+from rai_missions.engine.configuration import CompiledMove, Configuration, exchanged, innermost, inside, leaves, ordered
 from rai_missions.engine.step import Move
 from rai_missions.guards.view import presence
 from rai_missions.states.history import History
@@ -90,24 +90,24 @@ class Graph(CompiledMission):
 
     # -- moving ---------------------------------------------------------------------------------------------------
 
-    def leap(
+    def move_of(
         self, config: Configuration, transitions: tuple[CompiledTransition, ...], memory: Memory, trigger: str
-    ) -> CompiledStep:
-        """What firing these transitions does, those preempted left out; worked out once for what it depends on."""
+    ) -> CompiledMove:
+        """The move that firing these transitions makes, those preempted left out; worked out once."""
         key: Any = (transitions, trigger)
         uses_history = any(transition.uses_history for transition in transitions)
         if uses_history:
             key = (key, tuple((index, tuple(node.index for node in memory[index])) for index in sorted(memory)))
-        found = config.leaps.get(key)
+        found = config.moves.get(key)
         if found is None:
-            found = self._leap(config, tuple(self.compatible(config, list(transitions), memory)), memory, trigger)
+            found = self._worked_out(config, tuple(self.compatible(config, list(transitions), memory)), memory, trigger)
             found.plain = found.plain and not uses_history
-            config.leaps[key] = found
+            config.moves[key] = found
         return found
 
-    def _leap(
+    def _worked_out(
         self, config: Configuration, transitions: tuple[CompiledTransition, ...], memory: Memory, trigger: str
-    ) -> CompiledStep:
+    ) -> CompiledMove:
         domains = [self._domain(transition, memory) for transition in transitions]
         exited = {node for domain in {*domains} for node in inside(config.order, domain)}
         if remembered := dict(self._remembered(config, exited)):
@@ -122,7 +122,7 @@ class Graph(CompiledMission):
             for target in self._targets(transition, memory):
                 self._climb(target, domain, entered, memory)
         acts = tuple(act for transition in transitions for act in transition.acts)
-        return self.move(
+        return self._between(
             config,
             exited,
             entered,
@@ -131,21 +131,21 @@ class Graph(CompiledMission):
             trigger=trigger,
         )
 
-    def start(self, memory: Memory) -> CompiledStep:
+    def start(self, memory: Memory) -> CompiledMove:
         """The entry of the mission: what it waits for begins before that of the states in it, as for any state."""
-        return self.move(self.empty, set(), self.around(self.root.initial, self.root, memory), outer=(self.root,))
+        return self._between(self.empty, set(), self.around(self.root.initial, self.root, memory), outer=(self.root,))
 
-    def jump_to(self, config: Configuration, target: CompiledState, memory: Memory, trigger: str) -> CompiledStep:
+    def move_to(self, config: Configuration, target: CompiledState, memory: Memory, trigger: str) -> CompiledMove:
         """From wherever it is into a state, everything left."""
         exited = {node for node in config.nodes if node.state is not None}
-        return self.move(config, exited, self.around((target,), self.root, memory), trigger=trigger)
+        return self._between(config, exited, self.around((target,), self.root, memory), trigger=trigger)
 
-    def reenter(self, config: Configuration, node: CompiledState, memory: Memory) -> CompiledStep:
+    def reenter(self, config: Configuration, node: CompiledState, memory: Memory) -> CompiledMove:
         """What is inside a state is left, and its `initial` entered: the next round of an `each`."""
         exited = {*inside(config.order, node)}
-        return self.move(config, exited, self.around(node.initial, node, memory))
+        return self._between(config, exited, self.around(node.initial, node, memory))
 
-    def move(
+    def _between(
         self,
         config: Configuration,
         exited: set[CompiledState],
@@ -155,8 +155,8 @@ class Graph(CompiledMission):
         acts: tuple[Act, ...] = (),
         trigger: str = "",
         outer: tuple[CompiledState, ...] = (),
-    ) -> CompiledStep:
-        """A leap from what is left and entered: exit innermost first, the transitions' acts, entry outermost first.
+    ) -> CompiledMove:
+        """The move from what is left and entered: exit innermost first, the transitions' acts, entry outermost first.
 
         What `outer` waits for begins with it, without being named among the states that are entered.
         """
@@ -165,17 +165,17 @@ class Graph(CompiledMission):
         target = self._moved(config, exited, entered)
         entering = tuple(self._entering(config, exited, into, entered.recalled))
         every = tuple(act for node in out for act in node.exit) + acts + entering
-        move = Move(taken, tuple(node.name for node in out), tuple(node.name for node in into), trigger)
-        leap = CompiledStep(move, target, every)
-        leap.exited, leap.entered = out, (*outer, *into)
-        leap.shifts = frozenset(presence(node.name) for node in exited ^ entered)
-        leap.remember = tuple(self._remembered(config, out))
-        leap.lists = tuple((self.order[at], each) for at, states in leap.remember for each in self._lists(at, states))
+        value = Move(taken, tuple(node.name for node in out), tuple(node.name for node in into), trigger)
+        move = CompiledMove(value, target, every)
+        move.exited, move.entered = out, (*outer, *into)
+        move.shifts = frozenset(presence(node.name) for node in exited ^ entered)
+        move.remember = tuple(self._remembered(config, out))
+        move.lists = tuple((self.order[at], each) for at, states in move.remember for each in self._lists(at, states))
         quiet = not any(node.timed or node.activity or node.clocked or node.control for node in (*out, *into))
         ends = any(node.is_final or node.is_each for node in (*out, *into))
         watched = config.watchful or target.watchful or self.invariants
-        leap.plain = quiet and not (ends or leap.remember or watched)
-        return leap
+        move.plain = quiet and not (ends or move.remember or watched)
+        return move
 
     def _moved(self, config: Configuration, exited: set[CompiledState], entered: set[CompiledState]) -> Configuration:
         """What is active once some states were left and others entered.

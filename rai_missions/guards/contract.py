@@ -23,7 +23,7 @@ class _View:
         self.at, self.board = at, {name: Stamped(value, at) for name, value in facts.items()}
         self.active: frozenset[str] = frozenset()
         self.entered: Mapping[str, float] = {"": 0.0}
-        self.held: Mapping[str, float] = {}
+        self.true_since: Mapping[str, float] = {}
         self.event: Mapping[str, Any] = {}
         self.answer: Mapping[str, Any] = {}
 

@@ -30,16 +30,16 @@ class Held(Guard, word="held"):
 
     def compile(self, site: Site) -> Test:
         inner = self.held.compiled(site)
-        memory = f"{site.place}#{len(site.holds)}"
-        site.holds[memory] = inner
+        memory = f"{site.place}#{len(site.held_guards)}"
+        site.held_guards[memory] = inner
         for_s = self.for_s
-        site.instants.append(lambda view: view.held.get(memory, math.inf) + for_s)
+        site.instants.append(lambda view: view.true_since.get(memory, math.inf) + for_s)
 
         def test(view: View) -> Truth:
             now = inner(view)
             if now is not True:
                 return now
-            since = view.held.get(memory)
+            since = view.true_since.get(memory)
             return view.at >= since + for_s if since is not None else for_s == 0
 
         return test

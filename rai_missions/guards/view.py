@@ -37,7 +37,7 @@ class View(Protocol):
         """State → when it was last entered, for the states whose age a guard asks for."""
 
     @property
-    def held(self) -> Mapping[str, float]:
+    def true_since(self) -> Mapping[str, float]:
         """Held guard → since when its inner guard has been true without a break."""
 
     @property
@@ -86,7 +86,7 @@ class Site:
         self.reads: set[str] = set()
         """The keys it looks at."""
         self.instants: list[Instant] = []
-        self.holds: dict[str, Test] = {}
+        self.held_guards: dict[str, Test] = {}
         """Memory → the inner guard of a `held`."""
         self.clocked: set[str] = set()
         """The states whose entry time it needs."""

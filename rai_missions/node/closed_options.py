@@ -28,7 +28,7 @@ class FrozenView(NamedTuple):
     board: Blackboard
     active: frozenset[str]
     entered: Mapping[str, float]
-    held: Mapping[str, float]
+    true_since: Mapping[str, float]
     event: Mapping[str, Any] = {}
     answer: Mapping[str, Any] = {}
 
@@ -62,7 +62,7 @@ class ClosedOptions:
             at: Now, on the run's clock.
             still_since: As `Chart.still_since`: a state in a pause or a hold has the age that it had then.
         """
-        run = FrozenView(at, dict(view.board), view.active, dict(view.entered), dict(view.held))
+        run = FrozenView(at, dict(view.board), view.active, dict(view.entered), dict(view.true_since))
         found: dict[int, dict[str, str]] = {}
         for question in questions:
             still = still_since(question.state)

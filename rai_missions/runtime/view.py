@@ -88,9 +88,9 @@ class RunView(ChartView):
         return dict(self._state.entered)
 
     @property
-    def held(self) -> Mapping[str, float]:
+    def true_since(self) -> Mapping[str, float]:
         """Held guard → since when its inner guard has been true without a break."""
-        return dict(self._state.held)
+        return dict(self._state.true_since)
 
     @property
     def event(self) -> Mapping[str, Any]:

@@ -40,22 +40,22 @@ class BehaviourWatch:
 
     def __init__(self, live: Mapping[str, TracedBehaviour]) -> None:
         sites = {each: each.site for each in live.values() if each.site is not None}
-        self.holds = {name: test for site in sites.values() for name, test in site.holds.items()}
-        self.depends = {each: _of([site]) for each, site in sites.items() if not site.holds}
-        self.held_by = _of(site for site in sites.values() if site.holds)
+        self.held_guards = {name: test for site in sites.values() for name, test in site.held_guards.items()}
+        self.depends = {each: _of([site]) for each, site in sites.items() if not site.held_guards}
+        self.held_reads = _of(site for site in sites.values() if site.held_guards)
         """By what the guards change whose duration is counted, whether the next tick looks at them or not."""
         self.turns = {path: each for path, each in live.items() if getattr(each.parent, "loops", False)}
         """Path → the child of a loop that is there: each of its runs is a round."""
 
-    def hold(self, sight: TickView) -> TickView:
+    def note_held(self, sight: TickView) -> TickView:
         """Note since when the inner guards of `held` have been true, whether the next tick looks at them or not."""
-        if self.holds:
-            sight.hold(self.holds)
+        if self.held_guards:
+            sight.note_held(self.held_guards)
         return sight
 
     def looked_at(self, root: TracedBehaviour) -> TickReads:
         """What the next tick may look at if nothing but facts and time change, and on what a duration depends."""
-        keys, instants, rest = set(self.held_by.watched), list(self.held_by.instants), [root]
+        keys, instants, rest = set(self.held_reads.watched), list(self.held_reads.instants), [root]
         while rest:
             node = rest.pop()
             rest += node.ahead()

@@ -100,7 +100,7 @@ class TreeTicker:
         self._recall(state)
         root = state.nodes.get("", {})
         sight = TickView(view, self.state, root.get("began", view.at), root.get("held", {}))
-        return self.watch.hold(sight)
+        return self.watch.note_held(sight)
 
     def _recall(self, state: TreeState) -> None:
         if self._shown is not None and state is self._shown:
@@ -118,7 +118,7 @@ class TreeTicker:
     def _ticked(self, sight: TickView, begun: tuple[str, ...] = (), rounds: tuple[LoopRound, ...] = ()) -> TickResult:
         done, status = self.round, WORDS[self.root.status]
         if done.writes:
-            sight = self.watch.hold(sight)
+            sight = self.watch.note_held(sight)
         leaves = {node.path: Leaf(node.run) for node in self.activity_leaves if node.awaited}
         self._shown = TreeState(self._memories(sight), leaves)
         started, ended = tuple(done.started), tuple(done.ended)
@@ -135,6 +135,6 @@ class TreeTicker:
                 memories[path] = {"status": status, **memory}
             elif status != "invalid":
                 memories[path] = PLAIN[status]
-        held = {"held": dict(sight.held)} if sight.held else {}
+        held = {"held": dict(sight.true_since)} if sight.true_since else {}
         memories[""] = {**memories.get("", PLAIN[WORDS[INVALID]]), "began": sight.began, **held}
         return memories

@@ -31,7 +31,7 @@ class Seen:
     board: Blackboard = field(default_factory=dict)
     active: frozenset[str] = frozenset()
     entered: Mapping[str, float] = field(default_factory=dict)
-    held: Mapping[str, float] = field(default_factory=dict)
+    true_since: Mapping[str, float] = field(default_factory=dict)
     event: Mapping[str, Any] = field(default_factory=dict)
     answer: Mapping[str, Any] = field(default_factory=dict)
 

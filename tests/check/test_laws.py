@@ -190,7 +190,7 @@ class Known:
         self.board = {key: Stamped(value, 0.0) for key, value in board.items()}
         self.active, self.at = active, at
         self.entered: dict[str, float] = {"": 0.0}
-        self.held: dict[str, float] = {}
+        self.true_since: dict[str, float] = {}
         self.event: dict[str, Any] = {}
         self.answer: dict[str, Any] = {}
 

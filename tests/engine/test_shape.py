@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from rai_missions.engine.state import HOLDS, TABLE
+from rai_missions.engine.state import FIELD_KINDS, TABLE
 from tests.rigs.sources import nodes, parsed
 
 ROOT = Path(__file__).parents[2]
@@ -128,7 +128,7 @@ def test_a_base_that_uses_its_descendant_is_found() -> None:
 
 # -- fields -----------------------------------------------------------------------------------------------------------
 
-WORDS = {word for each in TABLE for word in (each.name, each.word)} - set(HOLDS)
+WORDS = {word for each in TABLE for word in (each.name, each.word)} - set(FIELD_KINDS)
 NAMES = {each.name for each in TABLE}
 
 

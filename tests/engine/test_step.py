@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from rai_missions.engine import Chart
-from rai_missions.engine.configuration import CompiledStep
+from rai_missions.engine.configuration import CompiledMove
 from rai_missions.engine.decision import Verdict
 from rai_missions.engine.state import RunState
 from rai_missions.engine.step import Step
@@ -27,7 +27,7 @@ class Once(Surroundings):
 
     steps = 0
 
-    def before_step(self, state: RunState, step: CompiledStep) -> bool:
+    def before_move(self, state: RunState, move: CompiledMove) -> bool:
         self.steps += 1
         return self.steps == 1
 

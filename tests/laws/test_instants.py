@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from rai_missions.engine import Chart
 from rai_missions.engine import macrostep as microsteps
 from rai_missions.engine import timing as instants
-from rai_missions.engine.configuration import CompiledStep
+from rai_missions.engine.configuration import CompiledMove
 from rai_missions.engine.macrostep import complete
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.running import poll
@@ -41,8 +41,8 @@ class Trail(Surroundings):
     def __init__(self) -> None:
         self.moves: list[tuple[float, Move]] = []
 
-    def before_step(self, state: RunState, step: CompiledStep) -> bool:
-        self.moves.append((state.at, step.move))
+    def before_move(self, state: RunState, move: CompiledMove) -> bool:
+        self.moves.append((state.at, move.value))
         return True
 
 

@@ -245,7 +245,7 @@ def test_a_law_of_the_short_way_takes_it(monkeypatch: pytest.MonkeyPatch) -> Non
 
         return call
 
-    for name in ("value", "leapt", "reading", "_looked_at"):
+    for name in ("short_step", "finish_move", "receive_reading", "_looked_at"):
         monkeypatch.setattr(short_way, name, counted(name))
     for seed in range(20):
         plain_agree(seed)

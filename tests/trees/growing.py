@@ -24,7 +24,7 @@ class Facts(NamedTuple):
     board: Mapping[str, Stamped]
     active: frozenset[str] = frozenset()
     entered: Mapping[str, float] = {}
-    held: Mapping[str, float] = {}
+    true_since: Mapping[str, float] = {}
     event: Mapping[str, Any] = {}
     answer: Mapping[str, Any] = {}
 

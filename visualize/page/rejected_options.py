@@ -30,14 +30,14 @@ class Offers:
             name: Stamped(key.initial, 0.0) for name, key in mission.blackboard.items() if key.initial is not None
         }
         self.active: frozenset[str] = frozenset()
-        self.entered = self.held = self.event = self.answer = NOTHING
+        self.entered = self.true_since = self.event = self.answer = NOTHING
         self._tests: dict[str, dict[str, Test]] = {}
         for each in questions(mission):
             tests = self._tests.setdefault(each.owner, {})
             for name, guard in each.asked.guards():
                 site = Site(each.place, mission.blackboard, each.state)
                 test = guard.compiled(site)
-                if not (site.holds or site.clocked or site.named):
+                if not (site.held_guards or site.clocked or site.named):
                     tests[name] = test
 
     def named(self, name: str, arguments: Mapping[str, Any]) -> Truth:

@@ -55,7 +55,7 @@ def _add(node: tree.TreeNode, path: str, place: TreePlace, nodes: list[Any]) -> 
 
 def _is_steady(site: Site) -> bool:
     """Whether a guard depends on nothing but keys, states and time."""
-    return not (site.holds or site.named or site.passing)
+    return not (site.held_guards or site.named or site.passing)
 
 
 def _check(at: TreePlace, node: tree.Check, path: str, inside: Inside) -> CompiledNode:

@@ -29,7 +29,7 @@ class TickView:
         self.at, self.active, self.event, self.answer = view.at, view.active, view.event, view.answer
         self.began, self.board = began, view.board
         self.entered: Mapping[str, float] = view.entered if state in view.entered else {**view.entered, state: began}
-        self.held: Mapping[str, float] = held
+        self.true_since: Mapping[str, float] = held
         self.late_s = 0.0
         """How much later than now what is begun is carried out, in seconds."""
 
@@ -39,15 +39,15 @@ class TickView:
             self.board, self._own = self.board.copy(), True
         self.board[key] = Stamped(value, self.at)
 
-    def hold(self, guards: Mapping[str, Test]) -> None:
+    def note_held(self, guards: Mapping[str, Test]) -> None:
         """Note since when the inner guards of `held` have been true, whether the next tick looks at them or not."""
-        held = dict(self.held)
+        held = dict(self.true_since)
         for name, test in guards.items():
             if test(self) is True:
                 held.setdefault(name, self.at)
             else:
                 held.pop(name, None)
-        self.held = held
+        self.true_since = held
 
     def named(self, name: str, arguments: Mapping[str, Any]) -> Truth:
         return self._view.named(name, arguments)

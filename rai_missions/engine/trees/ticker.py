@@ -48,8 +48,8 @@ class CompiledTicker:
         self._of_any = self.dependents.get("*", ())
         """The nodes that look at any key."""
         self.timed: tuple[Any, ...] = tuple(node for node, site in sites if site.instants)
-        self.holds = {name: test for _, site in sites for name, test in site.holds.items()}
-        self.held_by = frozenset[str]().union(*(site.watched for _, site in sites if site.holds))
+        self.held_guards = {name: test for _, site in sites for name, test in site.held_guards.items()}
+        self.held_reads = frozenset[str]().union(*(site.watched for _, site in sites if site.held_guards))
         """What the guards change by whose duration is counted, whether the next tick looks at them or not."""
         self.loops = sum(len(node.children) for node in self.nodes if node.loops)
         self.round = Tick(self._wake)
@@ -60,7 +60,7 @@ class CompiledTicker:
         self.shown = TreeState()
         """The state in which the nodes are."""
         self.own_keys = {name for node in self.nodes for name in node.writes}
-        self.is_plain = not (self.holds or self.own_keys or any(site.clocked for _, site in sites))
+        self.is_plain = not (self.held_guards or self.own_keys or any(site.clocked for _, site in sites))
         """What is known is seen as it is: the tree writes nothing, and counts no time from its own beginning."""
         self._pending: Mapping[str, str] = NOTHING
         """The outcomes that the state in which the nodes are has for its leaves."""
@@ -119,7 +119,7 @@ class CompiledTicker:
             or done.turning
             or done.waits
             or ends
-            or self.holds
+            or self.held_guards
             or state is not self._still.state
         ):
             return self._ticked(state)
@@ -159,8 +159,8 @@ class CompiledTicker:
         """What a tick sees of a view, where the tree writes keys or counts time by itself."""
         root = self.root.shown or NOTHING
         sight = TickView(view, self.state, root.get("began", view.at), root.get("held", NOTHING))
-        if self.holds:
-            sight.hold(self.holds)
+        if self.held_guards:
+            sight.note_held(self.held_guards)
         return sight
 
     def _recall(self, state: TreeState) -> None:
@@ -220,8 +220,8 @@ class CompiledTicker:
 
     def _ticked(self, before: TreeState) -> TickResult:
         done, self._is_over = self.round, True
-        if done.writes and self.holds:
-            done.sight.hold(self.holds)
+        if done.writes and self.held_guards:
+            done.sight.note_held(self.held_guards)
         self._written = [key for key, _ in done.writes] if done.writes else ()
         self.shown = self._remembered(before, done.sight)
         self._pending = NOTHING
@@ -257,7 +257,7 @@ class CompiledTicker:
         """The state after a tick; it shares with the one before what is the same."""
         has_run, parts, touched, root = False, self._parts, self.round.touched, self.root
         copied: list[int] = []
-        if self.holds or root.shown is None:
+        if self.held_guards or root.shown is None:
             touched.append(root)
         for node in touched:
             if node.role:
@@ -286,7 +286,10 @@ class CompiledTicker:
 
     def _with_began(self, memory: Mapping[str, Any] | None, sight: Any) -> Mapping[str, Any]:
         """What the root remembers besides: when the tree was ticked first, and since when guards have held."""
-        began, held = (self.root.shown or NOTHING).get("began", sight.at), sight.held if self.holds else NOTHING
+        began, held = (
+            (self.root.shown or NOTHING).get("began", sight.at),
+            sight.true_since if self.held_guards else NOTHING,
+        )
         return {**(memory or PLAIN[INVALID]), "began": began, **({"held": dict(held)} if held else {})}
 
     def shift(self, state: TreeState, by_s: float) -> TreeState:
@@ -309,7 +312,9 @@ class CompiledTicker:
         sight = view if self.is_plain or not self.timed else self._sight(view)
         for node in self.timed:
             for instant in node.site.instants:
-                if now < (due := instant(sight)) < next_due and (node.site.holds or (node.looks and node.is_seen())):
+                if now < (due := instant(sight)) < next_due and (
+                    node.site.held_guards or (node.looks and node.is_seen())
+                ):
                     next_due = due
         self._calm = (state, next_due)
         return min(soonest, next_due)
@@ -317,7 +322,7 @@ class CompiledTicker:
     def reads(self, state: TreeState) -> frozenset[str]:
         """What wants a tick once it is another; see `Ticker`."""
         self._recall(state)
-        seen, rest = set(self.held_by), [self.root]
+        seen, rest = set(self.held_reads), [self.root]
         while rest:
             node = rest.pop()
             rest += [child for child in node.children if node.sees(child)]
@@ -342,7 +347,7 @@ class CompiledTicker:
         looking = self.dependents.get(name, ())
         if self._of_any and not name.startswith("#"):
             looking = (*looking, *self._of_any)
-        wants = bool(self.held_by) and concerns(self.held_by, (name,))
+        wants = bool(self.held_reads) and concerns(self.held_reads, (name,))
         for each in () if wants else looking:
             if each.looks and each.is_seen():
                 wants = True

@@ -19,7 +19,7 @@ from rai_missions.engine.activities.tree import TreeActivity, limit_of
 from rai_missions.engine.compiled_states import CompiledGuard, CompiledState
 from rai_missions.engine.configuration import Plan
 from rai_missions.engine.hold import awake, free, is_held
-from rai_missions.engine.state import TABLE, Holds, RunState, Timer
+from rai_missions.engine.state import TABLE, FieldKind, RunState, Timer
 from rai_missions.engine.timers import next_number
 from rai_missions.guards.view import View
 from rai_missions.keys import Stamped
@@ -38,7 +38,7 @@ from rai_missions.states.compound import Each
 
 __all__ = ("INDIFFERENT", "PURSUED", "Abstraction")
 
-INDIFFERENT: frozenset[Holds] = frozenset(("number", "past", "end", "passing"))
+INDIFFERENT: frozenset[FieldKind] = frozenset(("number", "past", "end", "passing"))
 """What of a run makes no difference to what can happen next."""
 REMEMBERED = 4096
 """Of so many configurations it is remembered what they wait for."""
@@ -88,7 +88,7 @@ class Abstraction:
         self._rivals: dict[frozenset[str], Rivals] = {}
         self.names_orphans = "orphaned" in triggers
         self._names_failed_calls = "call_failed" in triggers
-        rests: Mapping[Holds, Callable[[Any], Any]] = {
+        rests: Mapping[FieldKind, Callable[[Any], Any]] = {
             "timers": _rest_timers,
             "deadlines": _rest_instants,
             "settling": _rest_instants,
@@ -98,7 +98,7 @@ class Abstraction:
             "rounds": self._rest_rounds,
             "lists": _rest_lists,
         }
-        self._rests = [(each.name, rests[each.holds]) for each in TABLE if each.holds in rests]
+        self._rests = [(each.name, rests[each.kind]) for each in TABLE if each.kind in rests]
 
     def settle(self) -> None:
         """Forget what nothing looks at, and put every timer that runs to the same distance."""
@@ -186,7 +186,7 @@ class Abstraction:
             self._world.board.looked |= condition.reads
             return
         condition.test(state)
-        for test in condition.holds.values():
+        for test in condition.held_guards.values():
             test(state)
 
     def _forget(self, state: RunState) -> None:
@@ -391,7 +391,7 @@ def _waiting(chains: Plan, nodes: Iterable[CompiledState]) -> Iterator[CompiledG
     yield from (each.condition for chain in chains for each in chain if each.condition is not None)
     inside = sorted(nodes, key=lambda node: node.index)
     conditions = (transition.condition for node in inside for transition in node.transitions)
-    yield from (condition for condition in conditions if condition is not None and condition.holds)
+    yield from (condition for condition in conditions if condition is not None and condition.held_guards)
 
 
 def _sense(machine: GoalMachine, activity: GoalActivity, view: View) -> None:

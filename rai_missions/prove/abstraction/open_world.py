@@ -202,7 +202,7 @@ class OpenWorld:
         if condition.reads.isdisjoint(looked_at) and "*" not in condition.reads:
             return False
         key = next(iter(condition.reads))
-        if len(condition.reads) > 1 or key not in self.fleeting or key in self.shapes or condition.holds:
+        if len(condition.reads) > 1 or key not in self.fleeting or key in self.shapes or condition.held_guards:
             return True
         self.values.narrow(key, lambda value: self._allows(condition, key, value))
         self._chart.state.board = self.board

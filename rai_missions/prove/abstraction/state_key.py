@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.goal_ledger import Goal
-from rai_missions.engine.state import HOLDS, TABLE, Holds, RunState, StepDraft, copied
+from rai_missions.engine.state import FIELD_KINDS, TABLE, FieldKind, RunState, StepDraft, copied
 from rai_missions.event import Event
 from rai_missions.keys import Stamped
 from rai_missions.prove.abstraction.abstraction import INDIFFERENT, PURSUED, Abstraction
@@ -35,7 +35,7 @@ from rai_missions.states.tree.leaves import ActionLeaf
 __all__ = ("Place", "SavedState", "StateCodec")
 
 NONE: dict[Any, Any] = {}
-AS_IT_IS: frozenset[Holds] = frozenset(("value", "states", "begins"))
+AS_IT_IS: frozenset[FieldKind] = frozenset(("value", "states", "begins"))
 """What is compared as it is."""
 NO_DRAFT = StepDraft()
 """Saved states have gathered nothing."""
@@ -90,7 +90,7 @@ class StateCodec:
         """State → the groups of its tree's waits and timeouts, where there are several: see `branches`."""
         self.loops: tuple[Loop, ...] = ()
         """The loops of which a few rounds may represent all."""
-        keys_by_kind: Mapping[Holds, Callable[[Any], Any]] = {
+        keys_by_kind: Mapping[FieldKind, Callable[[Any], Any]] = {
             "configuration": lambda config: config.key,
             "state": lambda node: node.index,
             "events": self._events_key,
@@ -112,9 +112,9 @@ class StateCodec:
             "since": lambda held: [(memory, since == NOW) for memory, since in sorted(held.items())],
             "payload": lambda payload: sorted(payload.items()),
         }
-        keyed = [(each.name, keys_by_kind[each.holds]) for each in TABLE if each.holds in keys_by_kind]
-        plain_fields = [each.name for each in TABLE if each.holds in AS_IT_IS]
-        unclear = set(HOLDS) ^ (keys_by_kind.keys() | INDIFFERENT | AS_IT_IS)
+        keyed = [(each.name, keys_by_kind[each.kind]) for each in TABLE if each.kind in keys_by_kind]
+        plain_fields = [each.name for each in TABLE if each.kind in AS_IT_IS]
+        unclear = set(FIELD_KINDS) ^ (keys_by_kind.keys() | INDIFFERENT | AS_IT_IS)
         assert not unclear, f"{sorted(unclear)}: to be compared as it is, by a key of its own, or not at all"
         self._to_keys = dict(keyed)
         self._keys_of = tuple(to_key for _, to_key in keyed)

@@ -17,9 +17,9 @@ from typing import Any, NamedTuple
 
 from rai_missions.engine import Chart
 from rai_missions.engine.compiled_states import CompiledState
-from rai_missions.engine.configuration import CompiledStep
+from rai_missions.engine.configuration import CompiledMove
 from rai_missions.engine.macrostep import MOST_MICROSTEPS
-from rai_missions.engine.state import TABLE, Holds, RunState, StepDraft
+from rai_missions.engine.state import TABLE, FieldKind, RunState, StepDraft
 from rai_missions.keys import type_error
 from rai_missions.prove.abstraction.abstraction import INDIFFERENT, Abstraction
 from rai_missions.prove.abstraction.activity_key import key_of, plain, timer_key
@@ -61,10 +61,10 @@ class StepCircles:
         self._keys = chart.program.keys
         self._chains = StepChains(world, instruments)
         self._macrostep: tuple[Any, int] = (None, 0)
-        self._jumps = 0
+        self._moves = 0
         self._passed: dict[str, Visit] | None = None
         """Places that were passed; None where circles are gone to the end."""
-        keys_by_kind: Mapping[Holds, Callable[[Any], Any]] = {
+        keys_by_kind: Mapping[FieldKind, Callable[[Any], Any]] = {
             "configuration": lambda config: config.key,
             "state": lambda node: node and node.name,
             "goals": lambda goals: _many((goal.owner, goal.action, goal.phase) for goal in goals.values()),
@@ -75,7 +75,7 @@ class StepCircles:
         }
         self._lists: dict[str, tuple[int, set[str]]] = {}
         """`each` → its current item, and the places in which the macrostep in hand has asked for more items."""
-        self._fields = [(each.name, keys_by_kind.get(each.holds)) for each in TABLE if each.holds not in INDIFFERENT]
+        self._fields = [(each.name, keys_by_kind.get(each.kind)) for each in TABLE if each.kind not in INDIFFERENT]
 
     def is_new_round(self, state: RunState, node: CompiledState) -> bool:
         """Whether more rounds of a list may lead to what no other way, and none before on this one, leads to."""
@@ -118,7 +118,7 @@ class StepCircles:
         """Forget what was passed where another macrostep is in hand."""
         macrostep = (state.draft, state.draft.macrosteps)
         if self._macrostep != macrostep:
-            self._macrostep, self._jumps, self._passed, self._lists = macrostep, 0, {}, {}
+            self._macrostep, self._moves, self._passed, self._lists = macrostep, 0, {}, {}
             self._chains.begin()
 
     def _look(self) -> None:
@@ -126,16 +126,16 @@ class StepCircles:
         self._instruments.asked.add(ALL_GOALS)
         self._instruments.compare_values()
 
-    def may_step(self, state: RunState, step: CompiledStep) -> bool:
+    def may_move(self, state: RunState, move: CompiledMove) -> bool:
         """Whether a microstep may be made: not where the step goes round until the limit of microsteps."""
         self._follow(state)
-        self._jumps += 1
-        if self._jumps <= PATIENCE or state.outcome is not None or self._passed is None:
+        self._moves += 1
+        if self._moves <= PATIENCE or state.outcome is not None or self._passed is None:
             return True
         rounds = state.draft.tree_rounds
         self._look()
         visit = Visit(state.draft.microsteps, {name: each.room for name, each in rounds.items()})
-        place = repr((self._place(state), step.move))
+        place = repr((self._place(state), move.value))
         before = self._passed.setdefault(f"{place} {self._counted()}", visit)
         if before is not visit:
             return not self._is_endless(state, before, visit)

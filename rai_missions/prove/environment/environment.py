@@ -16,7 +16,7 @@ from rai_missions.engine.activities.decision import DecisionMachine
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.activities.tree import TreeMachine
 from rai_missions.engine.compiled_states import CompiledState
-from rai_missions.engine.configuration import CompiledStep
+from rai_missions.engine.configuration import CompiledMove
 from rai_missions.engine.handover import is_kept, receive_control
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.state import RunState
@@ -63,8 +63,8 @@ class OpenSurroundings(Surroundings):
             return machine.computing(self._environment.world.anything_of(node, machine.into, live))
         return machine
 
-    def before_step(self, state: RunState, step: CompiledStep) -> bool:
-        return self._environment.circles.may_step(state, step)
+    def before_move(self, state: RunState, move: CompiledMove) -> bool:
+        return self._environment.circles.may_move(state, move)
 
     def before_entry(self, state: RunState, node: CompiledState) -> None:
         self._environment.control.enter(state, node)

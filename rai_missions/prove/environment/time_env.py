@@ -200,11 +200,11 @@ class TimeEnvironment:
             words = f"'{name or 'the mission'}' has lasted {self._codec.next_age(name):g} s"
             aged = self.elapse(self._aged(name), *self._state.running)
             yield Stimulus(words, "time", aged, owner=name, is_tick=True)
-        for memory, since in sorted(self._state.held.items()):
-            keeper = self._chart.program.graph.keepers[memory]
+        for memory, since in sorted(self._state.true_since.items()):
+            keeper = self._chart.program.graph.held_owners[memory]
             if since == NOW and keeper.control not in self._state.frozen:
                 words = f"the guard of {memory.partition('#')[0]} has held for long enough"
-                yield Stimulus(words, "time", self._dated("held", memory, LONG_AGO), owner=keeper.name)
+                yield Stimulus(words, "time", self._dated("true_since", memory, LONG_AGO), owner=keeper.name)
 
     def machine_times(self) -> Iterator[Stimulus]:
         for name, path, state in list(self._inputs.inner()):

@@ -16,7 +16,7 @@ from rai_missions.engine.activities.tree import TreeActivity
 from rai_missions.engine.compiled_states import CompiledState
 from rai_missions.engine.configuration import Configuration
 from rai_missions.engine.handover import is_kept
-from rai_missions.engine.state import TABLE, Holds, RunState, copied
+from rai_missions.engine.state import TABLE, FieldKind, RunState, copied
 from rai_missions.engine.transitions import is_done
 from rai_missions.prove.abstraction.abstraction import Abstraction
 from rai_missions.prove.abstraction.open_world import OpenWorld
@@ -27,9 +27,9 @@ from rai_missions.prove.exploration.regions import TIME, RegionGroups, Regions
 
 __all__ = ("Part", "PartNumbers", "RegionParts", "StateFrame")
 
-PARTED: tuple[Holds, ...] = ("activities", "settling", "ages", "since", "timers", "goals", "board")
+PARTED: tuple[FieldKind, ...] = ("activities", "settling", "ages", "since", "timers", "goals", "board")
 """What is divided among the groups, entry by entry."""
-IN_ORDER: tuple[Holds, ...] = ("activities", "settling")
+IN_ORDER: tuple[FieldKind, ...] = ("activities", "settling")
 """Of these it makes a difference in which order the entries of several groups came."""
 
 
@@ -91,8 +91,8 @@ class RegionParts:
 
     def __init__(self, chart: Chart, world: OpenWorld, codec: StateCodec, rest: Abstraction, regions: Regions) -> None:
         self._chart, self._world, self._codec, self._rest, self.regions = chart, world, codec, rest, regions
-        self._parted = {each.name: each.holds for each in TABLE if each.holds in PARTED}
-        self._in_order = tuple(each.name for each in TABLE if each.holds in IN_ORDER)
+        self._parted = {each.name: each.kind for each in TABLE if each.kind in PARTED}
+        self._in_order = tuple(each.name for each in TABLE if each.kind in IN_ORDER)
         graph = chart.program.graph
         self._is_kept = frozenset(name for name, node in graph.nodes.items() if is_kept(chart.program, node))
         """The states whose activity a pause leaves as it is."""
@@ -124,10 +124,10 @@ class RegionParts:
         fields: list[dict[str, dict[Any, Any]]] = [defaultdict(dict) for _ in parallel.members]
         left: dict[str, dict[Any, Any]] = {}
         order: dict[str, tuple[int, ...]] = {}
-        for name, holds in self._parted.items():
+        for name, kind in self._parted.items():
             found, rest = [], {}
             for key, value in getattr(run, name).items():
-                group = self._group(parallel, holds, key, value)
+                group = self._group(parallel, kind, key, value)
                 if group is None:
                     rest[key] = value
                 else:
@@ -139,15 +139,15 @@ class RegionParts:
         parts = [self._part(parallel, group, saved, each) for group, each in enumerate(fields)]
         return PartNumbers(self._frame(parallel, run, left, order), tuple(parts))
 
-    def _group(self, parallel: RegionGroups, holds: Holds, key: Any, value: Any) -> int | None:
+    def _group(self, parallel: RegionGroups, kind: FieldKind, key: Any, value: Any) -> int | None:
         """The group to which an entry belongs; None where it belongs to none."""
-        if holds == "board":
+        if kind == "board":
             return parallel.key_of.get(key)
-        if holds == "since":
-            return parallel.group_of.get(self._chart.program.graph.keepers[key].name)
-        if holds == "timers":
+        if kind == "since":
+            return parallel.group_of.get(self._chart.program.graph.held_owners[key].name)
+        if kind == "timers":
             return parallel.group_of.get(self.regions.timer_owner(key))
-        owner = value.owner.partition("#")[0] if holds == "goals" else key
+        owner = value.owner.partition("#")[0] if kind == "goals" else key
         return parallel.group_of.get(owner)
 
     def _part(self, parallel: RegionGroups, group: int, saved: SavedState, fields: Mapping[str, dict[Any, Any]]) -> int:
@@ -194,7 +194,7 @@ class RegionParts:
         for node in nodes:
             for transition in node.transitions:
                 condition = transition.condition
-                if condition is not None and (transition.definition.eventless or condition.holds):
+                if condition is not None and (transition.definition.eventless or condition.held_guards):
                     yield from condition.watched
         graph, machines = self._chart.program.graph, self._chart.program.machines
         for name in fields.get("settling", ()):

@@ -214,7 +214,7 @@ class Regions:
     def _waiting(self, node: CompiledState) -> Iterator[CompiledGuard]:
         """The guards of rules around a parallel state that may fire without an event."""
         for each in _transitions(node):
-            if each.condition is not None and (each.definition.eventless or each.condition.holds):
+            if each.condition is not None and (each.definition.eventless or each.condition.held_guards):
                 yield each.condition
 
     # -- what concerns whom ---------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from rai_missions.engine.activities.decision import DecisionActivity
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree import TreeActivity, questions_in
-from rai_missions.engine.state import TABLE, Holds, Timer
+from rai_missions.engine.state import TABLE, FieldKind, Timer
 from rai_missions.engine.step import Ask, CancelGoal, Effect, PublishMessage, SayAloud
 from rai_missions.errors import Fault
 from rai_missions.event import Event
@@ -24,9 +24,9 @@ from rai_missions.states.compound import Each
 
 __all__ = ("CarriedState", "carry")
 
-UNCHANGED: tuple[Holds, ...] = ("value", "number", "past", "end", "payload", "deadline")
+UNCHANGED: tuple[FieldKind, ...] = ("value", "number", "past", "end", "payload", "deadline")
 """What names nothing of the mission, and is what it was."""
-LEFT: tuple[Holds, ...] = ("passing", "controls", "begins", "board")
+LEFT: tuple[FieldKind, ...] = ("passing", "controls", "begins", "board")
 """What follows from the rest, begins again, or is carried elsewhere."""
 
 
@@ -74,7 +74,7 @@ class _Transfer:
     def carried(self, under: InFlight) -> CarriedState:
         self._activities()
         goals, cancels = self._goals(under)
-        carries: Mapping[Holds, Callable[[Any], Any]] = {
+        carries: Mapping[FieldKind, Callable[[Any], Any]] = {
             "configuration": lambda names: self.found.atomic,
             "state": lambda name: self.naming.state(name or ""),
             "states": lambda names: tuple(new for new, old in self.unchanged.items() if old in names),
@@ -93,7 +93,7 @@ class _Transfer:
             "since": self._since,
             **dict.fromkeys(UNCHANGED, lambda value: value),
         }
-        snapshot = {word: carries[holds](self.was[word]) for _, word, holds in TABLE if holds not in LEFT}
+        snapshot = {word: carries[kind](self.was[word]) for _, word, kind in TABLE if kind not in LEFT}
         snapshot["_order"] = self.order
         begins = tuple(each for each in self.begins if each[0] not in snapshot["_pending"])
         effects = (*self._under_way(under), *cancels)
