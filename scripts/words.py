@@ -64,10 +64,10 @@ class WordList:
 
     @cached_property
     def any_word(self) -> re.Pattern[str]:
-        """One pattern for all words, which passes by at once where none of their first letters is."""
-        any_ = "|".join(each.pattern.pattern for each in self.words)
+        """One pattern for all words, which passes by at once where no word begins with one of their first letters."""
+        any_ = "|".join(each.pattern.pattern.removeprefix(START) for each in self.words)
         first = "".join({letter + letter.upper() for letter in re.findall(r"(?<![a-z\\])[a-z]", any_)})
-        return re.compile(f"(?=[{first}])(?:{any_})")
+        return re.compile(f"{START}(?=[{first}])(?:{any_})")
 
     def paths(self, root: Path) -> Iterator[str]:
         """The files of a project that are read, in order."""

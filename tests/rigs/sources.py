@@ -7,6 +7,7 @@ Rule: who reads a tree does not change it. The tests that import this run in one
 from __future__ import annotations
 
 import ast
+import gc
 from functools import cache
 
 __all__ = ("nodes", "parsed")
@@ -14,11 +15,23 @@ __all__ = ("nodes", "parsed")
 
 @cache
 def parsed(text: str) -> ast.Module:
-    """The tree of a module's text."""
-    return ast.parse(text)
+    """The tree of a module's text. All of it stays: to search it for garbage takes longer than to parse it."""
+    gc.disable()
+    try:
+        return ast.parse(text)
+    finally:
+        gc.enable()
 
 
 @cache
 def nodes(tree: ast.AST) -> tuple[ast.AST, ...]:
-    """The tree and all that is in it, as `ast.walk` finds them."""
-    return tuple(ast.walk(tree))
+    """The tree and all that is in it, in the order of `ast.walk`, in half of its time."""
+    found = [tree]
+    for node in found:  # which grows meanwhile
+        for name in node._fields:
+            value = getattr(node, name, None)
+            if isinstance(value, list):
+                found += [each for each in value if isinstance(each, ast.AST)]
+            elif isinstance(value, ast.AST):
+                found.append(value)
+    return tuple(found)
