@@ -6,7 +6,7 @@ Rule: nothing here waits. What comes back is passed to a callback, which may run
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Future
 from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
 
@@ -18,6 +18,7 @@ __all__ = (
     "Close",
     "Connector",
     "ConnectorMode",
+    "Hindrance",
     "HostsActions",
     "ListsItself",
     "Message",
@@ -30,6 +31,7 @@ __all__ = (
     "Report",
     "SupportsAdoption",
     "SupportsDiscoveryCount",
+    "SupportsInspection",
     "SupportsParameters",
     "SupportsPreconnect",
     "SupportsRawMessages",
@@ -168,6 +170,29 @@ class SupportsDiscoveryCount(Protocol):
 
     def offered(self, mode: ConnectorMode) -> Mapping[str, int]:
         """Name → how many publish on the topic, or serve the service or action."""
+
+
+class Hindrance(NamedTuple):
+    """What is wrong with what is there under a name."""
+
+    name: str
+    what: str
+    """After the name, it makes a sentence: `has 2 servers: /a and /b`."""
+    remedy: str
+    is_fatal: bool = True
+    """Otherwise it works, with less than is expected."""
+
+
+@runtime_checkable
+class SupportsInspection(Protocol):
+    """A connector that knows what hinders a mission to use what is there."""
+
+    def hindrances(self, wanted: Iterable[tuple[ConnectorMode, str, bool]]) -> Sequence[Hindrance]:
+        """Look, and send nothing.
+
+        Args:
+            wanted: Mode, name, and whether the mission publishes there.
+        """
 
 
 @runtime_checkable

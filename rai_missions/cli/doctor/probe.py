@@ -28,6 +28,8 @@ __all__ = ("main",)
 
 LOOK_S = 0.05
 DISCOVERY_S = 15.0
+SECOND_S = 1.0
+"""How much later than the first server of a name a second one may be found."""
 
 
 def load(_: Any) -> dict[str, str]:
@@ -117,7 +119,7 @@ def microphone_level(_: Any) -> list[int]:
     return list(found())
 
 
-def graph(given: Mapping[str, Any]) -> Graph:
+def graph(given: Mapping[str, Any]) -> dict[str, Any]:
     """What is there by mode, waited for as long as something wanted is not: `listed`, and of that what is `offered`.
 
     What is listed and not offered has only subscribers or clients. Where the middleware does not report what others do,
@@ -144,7 +146,7 @@ def graph(given: Mapping[str, Any]) -> Graph:
             return all(name in now[how][mode] for mode, names in wanted.items() for name, how, _ in names)
 
         _awaited(is_there, float(given["within_s"]))
-        return look()
+        return {"graph": look(), "hindrances": _hindrances(connector, given["wanted"])}
     finally:
         connector.stop()
 
@@ -163,6 +165,17 @@ def _listed(connector: Connector, wanted: Wanted) -> Callable[[], Graph]:
         return {"listed": listed, "offered": offered}
 
     return look
+
+
+def _hindrances(connector: Connector, wanted: Wanted) -> list[Any]:
+    """What is wrong with what is wanted, where the connector knows."""
+    from rai_missions.connectors.connector import SupportsInspection
+
+    if not isinstance(connector, SupportsInspection):
+        return []
+    time.sleep(SECOND_S)
+    asked = [(mode, name, how == "listed") for mode, names in wanted.items() for name, how, _ in names]
+    return [list(each) for each in connector.hindrances(asked)]
 
 
 def _received(connector: Connector, wanted: Wanted) -> Callable[[], Graph]:

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from rai_missions.cli.doctor.finding import MachineFinding, ProbeResult, tried
+from rai_missions.connectors.connector import Hindrance
 from rai_missions.connectors.registry import connector_offer
 from rai_missions.errors import suggestion
 from rai_missions.profile import Endpoint, Robot, connector_faults, endpoints, unknown_fields, wanted
@@ -48,16 +49,23 @@ def reach(
     if found.fault:
         yield MachineFinding("missing", f"the robot '{robot.name}' cannot be reached over {kind}", found.fault)
         return
-    there: dict[str, dict[str, dict[str, str]]] = found.value
+    there: dict[str, dict[str, dict[str, str]]] = found.value["graph"]
     visible = [each for each in names if "listed" in there or (each.mode == "topics" and not each.is_listener)]
     if visible and not any(each.name in there[each.how].get(each.mode, ()) for each in visible):
-        same = "the domain and the discovery range" if kind == "ros2" else "what the connector names"
+        same = _reach(robot, given) if kind == "ros2" else "what the connector names"
         remedy = f"start the robot or its simulation, and compare {same} of both"
         yield MachineFinding("missing", f"nothing of the robot '{robot.name}' is there over {kind}", remedy)
         return
+    wrong = [Hindrance(*each) for each in found.value["hindrances"]]
+    places = {each.name: each.what for each in names}
+    for one in wrong:
+        what = f"{places.get(one.name, f'topic {one.name}')} {one.what}"
+        yield MachineFinding("missing" if one.is_fatal else "warns", what, one.remedy)
     for each in names:
         if each in visible:
-            yield _looked_for(each, there[each.how].get(each.mode, {}))
+            finding = _looked_for(each, there[each.how].get(each.mode, {}))
+            if finding.status != "ok" or each.name not in {one.name for one in wrong}:
+                yield finding
         else:
             verb = "listens" if each.is_listener else "serves it"
             yield MachineFinding("absent", f"{each.what} cannot be looked for: {kind} keeps to itself who {verb}")
@@ -70,6 +78,13 @@ def loads(program: Path) -> MachineFinding:
         return MachineFinding("missing", f"the robot {program} does not load", found.fault)
     offers = "; ".join(f"{sort} {', '.join(names) or 'none'}" for sort, names in found.value.items())
     return MachineFinding("ok", f"the robot {program} loads: {offers or 'it is made by robot(), once a run'}")
+
+
+def _reach(robot: Robot, given: Mapping[str, str]) -> str:
+    """The domain and the range in which a robot was looked for, as they are set here."""
+    domain = robot.connector.get("domain_id") or given.get("ROS_DOMAIN_ID") or 0
+    extent = given.get("ROS_AUTOMATIC_DISCOVERY_RANGE") or "SUBNET"
+    return f"the domain (ROS_DOMAIN_ID, here {domain}) and the discovery range (here {extent})"
 
 
 def _local(kind: str, robot: Robot) -> MachineFinding:

@@ -11,7 +11,7 @@ from typing import Any, get_args, get_type_hints
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.redaction import shown
 
-__all__ = ("CONVENTIONS", "DEFAULT", "Options", "QosProfile", "read_options")
+__all__ = ("DEFAULT", "Options", "QosProfile", "is_conventional", "read_options")
 
 RELIABILITIES = ("reliable", "best_effort")
 DURABILITIES = ("volatile", "latched")
@@ -73,6 +73,11 @@ CONVENTIONS: Mapping[str, QosProfile] = {
 
 A publisher of such a topic that latches nothing is received all the same.
 """
+
+
+def is_conventional(quality: QosProfile) -> bool:
+    """The profile does not state how the topic travels: who publishes it otherwise is received too."""
+    return any(quality is each for each in CONVENTIONS.values())
 
 
 def read_options(given: Mapping[str, Any]) -> Options:

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import atexit
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from rclpy.action import get_action_names_and_types
@@ -22,6 +23,7 @@ from rai_missions.connectors.connector import (
     Close,
     ConnectorMode,
     Data,
+    Hindrance,
     OnMessage,
     OnReply,
     OnReport,
@@ -30,6 +32,7 @@ from rai_missions.connectors.connector import (
     Report,
 )
 from rai_missions.connectors.ros2.config import read_options
+from rai_missions.connectors.ros2.inspection import hindrances
 from rai_missions.connectors.ros2.messages import is_picture, to_message, to_message_later
 from rai_missions.connectors.ros2.msg_definitions import definition_of
 from rai_missions.connectors.ros2.names import check_name, find_type
@@ -113,6 +116,14 @@ class Ros2Connector:
         """
         session = self._session
         return {} if session is None else session.runtime.ask(lambda: _offered(session.runtime.node, mode), {})
+
+    def hindrances(self, wanted: Iterable[tuple[ConnectorMode, str, bool]]) -> Sequence[Hindrance]:
+        session, asked = self._session, tuple(wanted)
+        nothing: tuple[Hindrance, ...] = ()
+        if session is None:
+            return nothing
+        look = partial(hindrances, session.runtime.node, self._options, asked)
+        return session.runtime.ask(lambda: tuple(dict.fromkeys(look())), nothing)
 
     def parameters(self) -> Mapping[str, Any]:
         """The node's parameters that `--ros-args` gave, without those of ROS itself and of the profile.

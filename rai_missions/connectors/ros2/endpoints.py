@@ -17,7 +17,8 @@ from typing import Any
 from rclpy.node import Node, NodeNameNonExistentError
 
 __all__ = (
-    "NO_PEERS", "Peers", "are_gone", "are_replaced", "servers_of_action", "servers_of_service", "types_of_service",
+    "NO_PEERS", "Peers", "are_gone", "are_replaced", "node_of", "servers_of_action", "servers_of_service",
+    "types_of_service",
 )  # fmt: skip
 
 Peers = Mapping[bytes, str]
@@ -70,10 +71,11 @@ def _nodes(node: Node, service: str) -> dict[bytes, list[str]]:
 
 
 def _peers(found: list[Any]) -> Peers:
-    return {bytes(each.endpoint_gid): _name_of(each) for each in found}
+    return {bytes(each.endpoint_gid): node_of(each) for each in found}
 
 
-def _name_of(endpoint: Any) -> str:
+def node_of(endpoint: Any) -> str:
+    """The full name of an endpoint's node; empty while that is not known."""
     return "" if "UNKNOWN" in endpoint.node_name else f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
 
 

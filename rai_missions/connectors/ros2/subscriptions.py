@@ -14,11 +14,12 @@ from dataclasses import replace
 from typing import Any
 
 from rclpy.event_handler import SubscriptionEventCallbacks
-from rclpy.qos import DurabilityPolicy, QoSPolicyKind
+from rclpy.qos import QoSPolicyKind
 from rclpy.serialization import deserialize_message
 
 from rai_missions.connectors.connector import Close, Message, OnMessage, RawMessage
-from rai_missions.connectors.ros2.config import CONVENTIONS, DEFAULT, QosProfile
+from rai_missions.connectors.ros2.config import QosProfile, is_conventional
+from rai_missions.connectors.ros2.inspection import unlatched
 from rai_missions.connectors.ros2.messages import name_of, to_data
 from rai_missions.connectors.ros2.mixed import MessageSorter
 from rai_missions.connectors.ros2.node_thread import Runtime, guarded
@@ -145,7 +146,7 @@ class _Reader:
         if not self._entities:
             self._opened_ns, self._count = time.time_ns(), 0
         quality = self._quality
-        if self._is_conventional and reliability == "best_effort":
+        if is_conventional(quality) and reliability == "best_effort":
             quality = replace(quality, durability="volatile")  # fits every publisher
         events = SubscriptionEventCallbacks(incompatible_qos=self._on_mismatch, use_default_callbacks=False)
         receive = self._mixed.receive_reliably if reliability == "reliable" else self._mixed.receive
@@ -158,11 +159,6 @@ class _Reader:
             event_callbacks=events,
             raw=self._is_raw,
         )
-
-    @property
-    def _is_conventional(self) -> bool:
-        """No one has stated how the topic travels: who publishes it otherwise is received too."""
-        return any(self._quality is each for each in CONVENTIONS.values())
 
     def _close(self) -> None:
         while self._entities:
@@ -202,18 +198,14 @@ class _Reader:
         if others:
             given = " and ".join(others)
             return f"is published as {given}, and so not received as the {name} that is asked for; mend the type"
-        is_latched = any(each.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for each in publishers)
-        if is_latched and self._quality is DEFAULT:
-            remedy = f'"qos": {{"{self._topic}": {{"durability": "latched"}}}}'
-            return f"is latched, and what was published before is not received; add to the connector: {remedy}"
-        return ""
+        return "; ".join(unlatched(self._topic, self._quality, publishers) or ())
 
     def _on_mismatch(self, found: Any) -> None:
         """A publisher offers less than is asked for, and would never be received."""
         if self._is_fitted:
             return
-        is_reliability_open = self._quality.reliability is None
-        if (found.last_policy_kind == QoSPolicyKind.RELIABILITY and is_reliability_open) or self._is_conventional:
+        is_open = self._quality.reliability is None and found.last_policy_kind == QoSPolicyKind.RELIABILITY
+        if is_open or is_conventional(self._quality):
             self._is_fitted = True
             log.info("%s is published with less than is asked for, and is received so from that publisher", self._topic)
             self._runtime.post(lambda: self._open("best_effort"))

@@ -193,6 +193,8 @@ def test_a_robot_that_is_not_there_and_a_type_that_is_not_here_are_reported(envi
     types, nothing = reach(profile, environment, within_s=0.1)
     assert str(types).startswith("missing actions/go/type: nobodys_msgs/action/Go: no ROS package 'nobodys_msgs'")
     assert "nothing of the robot 'beacon' is there over ros2" in nothing.what
+    where = f"(ROS_DOMAIN_ID, here {environment['ROS_DOMAIN_ID']}) and the discovery range (here LOCALHOST)"
+    assert where in nothing.remedy
 
 
 def test_a_type_s_name_runs_no_package_that_has_no_such_types(environment: dict[str, str], tmp_path: Path) -> None:
