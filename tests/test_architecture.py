@@ -49,7 +49,7 @@ def test_each_room_has_a_door_that_is_there(walks: ModuleType) -> None:
 
 
 CHART, RUNNER = "rai_missions.engine.chart:Chart.send", "rai_missions.runtime.runner:Runner"
-VALUE, SINK = "rai_missions.engine.short_way:short_step", "rai_missions.journal.buffer:JournalSink.write"
+VALUE, SINK = "rai_missions.engine.semantics.short_way:short_step", "rai_missions.journal.buffer:JournalSink.write"
 
 
 @pytest.mark.parametrize(
@@ -64,7 +64,7 @@ VALUE, SINK = "rai_missions.engine.short_way:short_step", "rai_missions.journal.
         ([(CHART, False), (RUNNER, False)], "does not name Runner"),
         ([(CHART, False), (RUNNER, False)], "may not know rai_missions.runtime.runner:Runner"),
         ([(RUNNER, False), ("visualize.build:picture", False)], "does not import visualize.build"),
-        ([(VALUE, False), ("rai_missions.engine.stepping:close", False)], "does not name close"),
+        ([(VALUE, False), ("rai_missions.engine.semantics.stepping:close", False)], "does not name close"),
         ([(SINK, False), ("rai_missions.journal.codec:encode", True)], "does not import rai_missions.journal.buffer"),
         ([(SINK, False), ("rai_missions.journal.reader:Record", True)], "does not import rai_missions.journal.buffer"),
     ],

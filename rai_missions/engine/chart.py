@@ -12,21 +12,22 @@ from math import inf
 from types import NoneType
 from typing import Any
 
-from rai_missions.engine import short_way, snapshot
+from rai_missions.engine import snapshot
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.chart_view import ChartView
-from rai_missions.engine.compiled_states import Written
-from rai_missions.engine.configuration import Configuration
-from rai_missions.engine.handover import settle_holds
-from rai_missions.engine.program import Named, Program
+from rai_missions.engine.compiled.configuration import Configuration
+from rai_missions.engine.compiled.program import Named, Program
+from rai_missions.engine.compiled.states import Written
+from rai_missions.engine.compiled.surroundings import Surroundings
 from rai_missions.engine.robot_facts import RobotFacts, check_facts
-from rai_missions.engine.short_way import BEFORE
+from rai_missions.engine.semantics import short_way
+from rai_missions.engine.semantics.handover import settle_holds
+from rai_missions.engine.semantics.short_way import BEFORE
+from rai_missions.engine.semantics.stepping import begin_run, close, compiled, fresh, make_step
+from rai_missions.engine.semantics.timing import look_ahead
 from rai_missions.engine.snapshot import Snapshot
 from rai_missions.engine.state import RunState, copied
 from rai_missions.engine.step import Step
-from rai_missions.engine.stepping import begin_run, close, compiled, fresh, make_step
-from rai_missions.engine.surroundings import Surroundings
-from rai_missions.engine.timing import look_ahead
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.event import Event
 from rai_missions.given import check_event, check_given, check_seconds, given_names

@@ -10,15 +10,15 @@ from collections.abc import Mapping
 
 from rai_missions.engine.activities.goal_ledger import OpenGoal, awaited, loose
 from rai_missions.engine.activities.tree import questions_in
+from rai_missions.engine.compiled.program import Program
 from rai_missions.engine.decision import Question
-from rai_missions.engine.hold import held_by, holder_of, live
 from rai_missions.engine.modes import Mode
-from rai_missions.engine.program import Program
 from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.engine.semantics.hold import held_by, holder_of, live
+from rai_missions.engine.semantics.waiting import waiting_answers
 from rai_missions.engine.snapshot import Snapshot, snapshot
 from rai_missions.engine.state import RunState
 from rai_missions.engine.step import Cause
-from rai_missions.engine.waiting import waiting_answers
 from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
 from rai_missions.states.control import Holder

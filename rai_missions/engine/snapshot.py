@@ -11,8 +11,8 @@ from collections.abc import Set as AbstractSet
 from typing import Any, NamedTuple
 
 from rai_missions.engine.activities.goal_ledger import Goal
-from rai_missions.engine.configuration import Configuration
-from rai_missions.engine.program import Program
+from rai_missions.engine.compiled.configuration import Configuration
+from rai_missions.engine.compiled.program import Program
 from rai_missions.engine.state import TABLE, FieldKind, RunState, Timer, TimerKey
 
 __all__ = ("Snapshot", "broken", "configuration", "control_of", "put_back", "snapshot")

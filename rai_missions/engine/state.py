@@ -18,8 +18,8 @@ from typing import Any, Literal, NamedTuple, get_args
 
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree_rounds import Rounds
-from rai_missions.engine.compiled_states import CompiledState, CompiledTransition
-from rai_missions.engine.configuration import Configuration
+from rai_missions.engine.compiled.configuration import Configuration
+from rai_missions.engine.compiled.states import CompiledState, CompiledTransition
 from rai_missions.engine.decision import VerdictNote
 from rai_missions.engine.modes import Mode, RunMode, mode_of
 from rai_missions.engine.step import Cause, Move, Refusal

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from rai_missions.check import check
 from rai_missions.engine import Chart
-from rai_missions.engine.hold import live
+from rai_missions.engine.semantics.hold import live
 from rai_missions.engine.step import CallService
 from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event, Tick

@@ -9,7 +9,9 @@ from typing import Any
 
 import pytest
 
-from rai_missions.engine import Chart, configuration, hold, macrostep, running, timing, transitions
+from rai_missions.engine import Chart
+from rai_missions.engine.compiled import configuration, graph
+from rai_missions.engine.semantics import hold, macrostep, running, timing
 from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
 
@@ -123,16 +125,16 @@ def lines_of(document: Json, module: ModuleType) -> int:
     [
         (raising, macrostep),
         (ending, macrostep),
-        (moving, transitions),
-        (leaving, transitions),
-        (finishing, transitions),
+        (moving, graph),
+        (leaving, graph),
+        (finishing, graph),
         (finishing, configuration),
         (ringing, configuration),
         (ringing, hold),
         (ringing, macrostep),
         (ringing, running),
         (ringing, timing),
-        (ringing, transitions),
+        (ringing, graph),
     ],
 )
 def test_twice_as_many_regions_cost_twice_as_much(document: Any, module: ModuleType) -> None:

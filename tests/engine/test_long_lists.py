@@ -7,8 +7,9 @@ from typing import Any
 
 import pytest
 
-from rai_missions.engine import Chart, macrostep
+from rai_missions.engine import Chart
 from rai_missions.engine.activities import tree_rounds
+from rai_missions.engine.semantics import macrostep
 from rai_missions.engine.trees import CompiledTrees
 from rai_missions.mission.mission import Mission
 

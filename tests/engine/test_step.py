@@ -8,11 +8,11 @@ from typing import Any
 import pytest
 
 from rai_missions.engine import Chart
-from rai_missions.engine.configuration import CompiledMove
+from rai_missions.engine.compiled.configuration import CompiledMove
+from rai_missions.engine.compiled.surroundings import Surroundings
 from rai_missions.engine.decision import Verdict
 from rai_missions.engine.state import RunState
 from rai_missions.engine.step import Step
-from rai_missions.engine.surroundings import Surroundings
 from rai_missions.event import Event, Tick
 from tests.engine.test_decisions import answers, asked, asking
 from tests.rigs.charts import mission, transition

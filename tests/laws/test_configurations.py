@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rai_missions.engine import Chart, transitions
+from rai_missions.engine import Chart
+from rai_missions.engine.compiled import graph
 from rai_missions.mission.mission import Mission
 from tests.laws.drawn import document, happenings, is_far, terms
 from tests.rigs.charts import ScriptedRobot
@@ -25,7 +26,7 @@ def whole(chart: Chart) -> None:
     assert all(config.is_active(node) == (node in {graph.root, *around}) for node in graph.order)
 
 
-@given(st.integers(0, 2**32), st.sampled_from([transitions.FEW, 0.001]))
+@given(st.integers(0, 2**32), st.sampled_from([graph.FEW, 0.001]))
 @settings(max_examples=20)
 def test_each_configuration_is_that_of_its_innermost_states(seed: int, few: float) -> None:
     """Whichever way it is found: in a small mission each change is one of many states, unless that is never so."""
@@ -34,7 +35,7 @@ def test_each_configuration_is_that_of_its_innermost_states(seed: int, few: floa
     chart = Chart(mission, terms=facts, named={"is_far": is_far} if "is_far" in mission.model_dump_json() else {})
     robot = ScriptedRobot("agent")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(transitions, "FEW", few)
+        patch.setattr(graph, "FEW", few)
         robot.follow(chart.start(0.0))
         for happening in happenings(rng):
             robot.follow(chart.send(robot.event(*happening)))

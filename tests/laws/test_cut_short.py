@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 
 from rai_missions import load
 from rai_missions.engine import Chart
-from rai_missions.engine import macrostep as microsteps
-from rai_missions.engine import timing as instants
+from rai_missions.engine.semantics import macrostep as microsteps
+from rai_missions.engine.semantics import timing as instants
 from rai_missions.engine.snapshot_json import packed, unpacked
 from rai_missions.engine.step import Step
 from rai_missions.errors import DefinitionError

@@ -11,16 +11,16 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from rai_missions.engine import Chart
-from rai_missions.engine import macrostep as microsteps
-from rai_missions.engine import timing as instants
-from rai_missions.engine.configuration import CompiledMove
-from rai_missions.engine.macrostep import complete
+from rai_missions.engine.compiled.configuration import CompiledMove
+from rai_missions.engine.compiled.surroundings import Surroundings
 from rai_missions.engine.robot_facts import RobotFacts
-from rai_missions.engine.running import poll
+from rai_missions.engine.semantics import macrostep as microsteps
+from rai_missions.engine.semantics import timing as instants
+from rai_missions.engine.semantics.macrostep import complete
+from rai_missions.engine.semantics.running import poll
+from rai_missions.engine.semantics.stepping import close
 from rai_missions.engine.state import RunState
 from rai_missions.engine.step import Move, Step
-from rai_missions.engine.stepping import close
-from rai_missions.engine.surroundings import Surroundings
 from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission

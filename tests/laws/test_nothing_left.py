@@ -19,8 +19,8 @@ from rai_missions.engine.activities.action import GoalActivity, GoalMachine
 from rai_missions.engine.activities.goal_ledger import obstruction
 from rai_missions.engine.activities.ticker import TickResult, TreeState
 from rai_missions.engine.activities.tree import TreeActivity
-from rai_missions.engine.hold import awake, free
-from rai_missions.engine.macrostep import enabled
+from rai_missions.engine.semantics.hold import awake, free
+from rai_missions.engine.semantics.macrostep import enabled
 from rai_missions.engine.step import CallService, StartGoal, Step
 from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event, Tick

@@ -10,7 +10,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rai_missions.engine import Chart, short_way
+from rai_missions.engine import Chart
+from rai_missions.engine.semantics import short_way
 from rai_missions.engine.step import Step
 from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event, Tick

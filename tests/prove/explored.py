@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.ticker import Trees
-from rai_missions.engine.compiled_states import CompiledGuard, CompiledState
-from rai_missions.engine.configuration import Configuration
+from rai_missions.engine.compiled.configuration import Configuration
+from rai_missions.engine.compiled.states import CompiledGuard, CompiledState
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.analysis.liveness import ALL, Later
 from rai_missions.prove.analysis.parts import parts

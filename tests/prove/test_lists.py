@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rai_missions.engine import macrostep
-from rai_missions.engine.compiled_states import CompiledState
+from rai_missions.engine.compiled.states import CompiledState
+from rai_missions.engine.semantics import macrostep
 from rai_missions.engine.state import RunState
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import prove

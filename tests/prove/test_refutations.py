@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from rai_missions.engine import Chart, macrostep, timing
+from rai_missions.engine import Chart
+from rai_missions.engine.semantics import macrostep, timing
 from rai_missions.journal import Header, read
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission

@@ -15,7 +15,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from rai_missions.engine import macrostep, timing
+from rai_missions.engine.semantics import macrostep, timing
 from rai_missions.runtime.clock import Clock
 from rai_missions.runtime.mailbox import Mailbox
 

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rai_missions.engine import macrostep as microsteps
-from rai_missions.engine import timing as instants
 from rai_missions.engine.decision import Question
+from rai_missions.engine.semantics import macrostep as microsteps
+from rai_missions.engine.semantics import timing as instants
 from rai_missions.engine.step import Step
 from rai_missions.event import Event
 from rai_missions.mission.mission import Mission

@@ -16,11 +16,11 @@ from rai_missions.engine import Chart
 from rai_missions.engine.activities.action import GoalActivity, GoalMachine
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree import TreeActivity, limit_of
-from rai_missions.engine.compiled_states import CompiledGuard, CompiledState
-from rai_missions.engine.configuration import Plan
-from rai_missions.engine.hold import awake, free, is_held
+from rai_missions.engine.compiled.configuration import Plan
+from rai_missions.engine.compiled.states import CompiledGuard, CompiledState
+from rai_missions.engine.semantics.hold import awake, free, is_held
+from rai_missions.engine.semantics.timers import next_number
 from rai_missions.engine.state import TABLE, FieldKind, RunState, Timer
-from rai_missions.engine.timers import next_number
 from rai_missions.guards.view import View
 from rai_missions.keys import Stamped
 from rai_missions.prove.abstraction.activity_key import SOON, rested, timer_key

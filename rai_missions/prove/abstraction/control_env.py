@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 
 from rai_missions.engine import Chart
-from rai_missions.engine.compiled_states import CompiledState
-from rai_missions.engine.hold import held_controls
+from rai_missions.engine.compiled.states import CompiledState
+from rai_missions.engine.semantics.hold import held_controls
 from rai_missions.engine.state import RunState
 from rai_missions.event import Event
 from rai_missions.mission.mission import BUILT_IN_EVENTS

@@ -12,7 +12,7 @@ from typing import Any
 from rai_missions.engine.activities.action import GoalActivity, GoalMachine
 from rai_missions.engine.activities.decision import DecisionMachine
 from rai_missions.engine.activities.tree import TreeMachine
-from rai_missions.engine.program import Program
+from rai_missions.engine.compiled.program import Program
 from rai_missions.event import Event
 from rai_missions.guards.view import Test, Truth
 from rai_missions.prove.abstraction.store import ALL_GOALS, ObstructionQuery

@@ -12,7 +12,7 @@ from typing import Any
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.computing import ComputedResult
-from rai_missions.engine.compiled_states import CompiledGuard, CompiledState
+from rai_missions.engine.compiled.states import CompiledGuard, CompiledState
 from rai_missions.guards.view import Site, Truth, as_counted
 from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from rai_missions.engine.macrostep import MOST_MICROSTEPS
+from rai_missions.engine.semantics.macrostep import MOST_MICROSTEPS
 from rai_missions.engine.state import StepDraft
 from rai_missions.engine.step import Move
 from rai_missions.guards.view import Truth

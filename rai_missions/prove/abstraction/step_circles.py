@@ -16,9 +16,9 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.engine import Chart
-from rai_missions.engine.compiled_states import CompiledState
-from rai_missions.engine.configuration import CompiledMove
-from rai_missions.engine.macrostep import MOST_MICROSTEPS
+from rai_missions.engine.compiled.configuration import CompiledMove
+from rai_missions.engine.compiled.states import CompiledState
+from rai_missions.engine.semantics.macrostep import MOST_MICROSTEPS
 from rai_missions.engine.state import TABLE, FieldKind, RunState, StepDraft
 from rai_missions.keys import type_error
 from rai_missions.prove.abstraction.abstraction import INDIFFERENT, Abstraction

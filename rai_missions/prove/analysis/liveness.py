@@ -12,10 +12,10 @@ from functools import lru_cache
 from itertools import dropwhile
 from typing import Any, NamedTuple, Protocol
 
-from rai_missions.engine.compiled_states import CompiledState, CompiledTransition
-from rai_missions.engine.configuration import Configuration
+from rai_missions.engine.compiled.configuration import Configuration
+from rai_missions.engine.compiled.graph import Graph
+from rai_missions.engine.compiled.states import CompiledState, CompiledTransition
 from rai_missions.engine.robot_facts import RobotFacts
-from rai_missions.engine.transitions import Graph
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.analysis.parts import parts, texts_in, writes_in
 from rai_missions.states.compound import Each

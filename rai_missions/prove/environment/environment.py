@@ -15,13 +15,13 @@ from rai_missions.engine.activities.computing import ComputingMachine
 from rai_missions.engine.activities.decision import DecisionMachine
 from rai_missions.engine.activities.ticker import Trees
 from rai_missions.engine.activities.tree import TreeMachine
-from rai_missions.engine.compiled_states import CompiledState
-from rai_missions.engine.configuration import CompiledMove
-from rai_missions.engine.handover import is_kept, receive_control
+from rai_missions.engine.compiled.configuration import CompiledMove
+from rai_missions.engine.compiled.states import CompiledState
+from rai_missions.engine.compiled.surroundings import Surroundings
 from rai_missions.engine.robot_facts import RobotFacts
+from rai_missions.engine.semantics.handover import is_kept, receive_control
+from rai_missions.engine.semantics.stepping import begin_run
 from rai_missions.engine.state import RunState
-from rai_missions.engine.stepping import begin_run
-from rai_missions.engine.surroundings import Surroundings
 from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.abstraction.abstraction import Abstraction

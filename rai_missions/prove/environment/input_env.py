@@ -19,8 +19,8 @@ from rai_missions.engine.activities.decision import DecisionActivity, DecisionMa
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree import TreeActivity
 from rai_missions.engine.decision import Offer, Question, VerdictNote
-from rai_missions.engine.events import handle
-from rai_missions.engine.hold import free, is_held
+from rai_missions.engine.semantics.events import handle
+from rai_missions.engine.semantics.hold import free, is_held
 from rai_missions.event import Event, EventKind
 from rai_missions.prove.abstraction.abstraction import Abstraction
 from rai_missions.prove.abstraction.instruments import Instruments

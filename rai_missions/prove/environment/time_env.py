@@ -13,9 +13,9 @@ from typing import Any
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.decision import DecisionActivity
 from rai_missions.engine.activities.tree import RunningLeaf, TreeActivity, TreeMachine, limit_of
-from rai_missions.engine.hold import is_held, live
+from rai_missions.engine.semantics.hold import is_held, live
+from rai_missions.engine.semantics.timing import pass_instant
 from rai_missions.engine.state import RunState
-from rai_missions.engine.timing import pass_instant
 from rai_missions.prove.abstraction.abstraction import PURSUED, Abstraction
 from rai_missions.prove.abstraction.activity_key import timer_key
 from rai_missions.prove.abstraction.instruments import Instruments

@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.tree import TreeActivity
-from rai_missions.engine.compiled_states import CompiledState
-from rai_missions.engine.configuration import Configuration
-from rai_missions.engine.handover import is_kept
+from rai_missions.engine.compiled.configuration import Configuration
+from rai_missions.engine.compiled.graph import is_done
+from rai_missions.engine.compiled.states import CompiledState
+from rai_missions.engine.semantics.handover import is_kept
 from rai_missions.engine.state import TABLE, FieldKind, RunState, copied
-from rai_missions.engine.transitions import is_done
 from rai_missions.prove.abstraction.abstraction import Abstraction
 from rai_missions.prove.abstraction.open_world import OpenWorld
 from rai_missions.prove.abstraction.state_key import Ahead, Place, SavedState, StateCodec

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.activity import GOALS
-from rai_missions.engine.compiled_states import CompiledGuard, CompiledState, CompiledTransition
+from rai_missions.engine.compiled.states import CompiledGuard, CompiledState, CompiledTransition
 from rai_missions.engine.state import TimerKey
 from rai_missions.guards.view import presence
 from rai_missions.mission.mission import BUILT_IN_EVENTS

@@ -22,7 +22,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
-from rai_missions.engine.compiled_states import CompiledState
+from rai_missions.engine.compiled.states import CompiledState
 from rai_missions.prove.environment.environment import Environment
 from rai_missions.prove.exploration.region_parts import PartNumbers
 from rai_missions.prove.exploration.regions import OUTSIDE, RegionGroups

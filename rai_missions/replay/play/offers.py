@@ -20,8 +20,8 @@ from rai_missions.engine.activities.decision import DecisionActivity
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree import TreeActivity, TreeMachine
 from rai_missions.engine.decision import Offer, Question
-from rai_missions.engine.hold import live
-from rai_missions.engine.reports import WATCHED
+from rai_missions.engine.semantics.hold import live
+from rai_missions.engine.semantics.reports import WATCHED
 from rai_missions.engine.state import TABLE
 from rai_missions.engine.step import StartGoal, Step
 from rai_missions.errors import UsageError

@@ -10,8 +10,8 @@ import math
 from collections.abc import Collection, Iterator
 
 from rai_missions.engine import Chart
+from rai_missions.engine.semantics.timing import look_for_time
 from rai_missions.engine.step import Step
-from rai_missions.engine.timing import look_for_time
 from rai_missions.errors import UsageError
 from rai_missions.event import Tick
 from rai_missions.keys import Stamped, stale_at

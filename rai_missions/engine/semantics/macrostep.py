@@ -11,8 +11,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.engine.activities.activity import Outcome
-from rai_missions.engine.compiled_states import CompiledState, CompiledTransition
-from rai_missions.engine.completion import (
+from rai_missions.engine.compiled.configuration import CompiledMove, Plan
+from rai_missions.engine.compiled.program import Program
+from rai_missions.engine.compiled.states import CompiledState, CompiledTransition
+from rai_missions.engine.semantics.completion import (
     check_invariants,
     complete_parallels,
     current_round,
@@ -23,13 +25,11 @@ from rai_missions.engine.completion import (
     settle_final,
     settle_nested,
 )
-from rai_missions.engine.configuration import CompiledMove, Plan
-from rai_missions.engine.hold import free, is_held
-from rai_missions.engine.program import Program
-from rai_missions.engine.running import begin_starting, leave_activity, outcome_of, poll
+from rai_missions.engine.semantics.hold import free, is_held
+from rai_missions.engine.semantics.running import begin_starting, leave_activity, outcome_of, poll
+from rai_missions.engine.semantics.timers import late_s, now_of, set_timer
+from rai_missions.engine.semantics.waiting import event_of, keep_trigger, wait_out_pause
 from rai_missions.engine.state import RunState, StepDraft, Trigger
-from rai_missions.engine.timers import late_s, now_of, set_timer
-from rai_missions.engine.waiting import event_of, keep_trigger, wait_out_pause
 from rai_missions.guards.view import Test, Truth
 from rai_missions.mission.mission import BUILT_IN_EVENTS
 

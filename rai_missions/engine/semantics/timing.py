@@ -10,11 +10,11 @@ from itertools import chain
 
 from rai_missions.engine.activities import goal_ledger
 from rai_missions.engine.activities.activity import NO_KEYS, Outcome
-from rai_missions.engine.completion import end
-from rai_missions.engine.hold import awake
-from rai_missions.engine.macrostep import MOST_MICROSTEPS, check_stopped, complete, react
-from rai_missions.engine.program import Program
-from rai_missions.engine.running import leave_activity, outcome_of, poll, reads, resting, unfinished
+from rai_missions.engine.compiled.program import Program
+from rai_missions.engine.semantics.completion import end
+from rai_missions.engine.semantics.hold import awake
+from rai_missions.engine.semantics.macrostep import MOST_MICROSTEPS, check_stopped, complete, react
+from rai_missions.engine.semantics.running import leave_activity, outcome_of, poll, reads, resting, unfinished
 from rai_missions.engine.state import RunState, Timer, TimerKey, Trigger
 from rai_missions.engine.step import CancelGoal
 from rai_missions.guards.view import Instant

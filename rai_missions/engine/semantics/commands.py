@@ -13,23 +13,23 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.engine.activities.tree import is_settling, questions_in
-from rai_missions.engine.blackboard import known, note_news
-from rai_missions.engine.completion import end, kill
-from rai_missions.engine.handover import ask_back, lay_down
-from rai_missions.engine.hold import awake, held_controls, holder_of, is_held, run_at
-from rai_missions.engine.macrostep import check_stopped, complete, make_move
+from rai_missions.engine.compiled.program import Program
 from rai_missions.engine.modes import refusal
-from rai_missions.engine.program import Program
-from rai_missions.engine.reports import handle_late
-from rai_missions.engine.running import poll
+from rai_missions.engine.semantics.blackboard import known, note_news
+from rai_missions.engine.semantics.completion import end, kill
+from rai_missions.engine.semantics.handover import ask_back, lay_down
+from rai_missions.engine.semantics.hold import awake, held_controls, holder_of, is_held, run_at
+from rai_missions.engine.semantics.macrostep import check_stopped, complete, make_move
+from rai_missions.engine.semantics.reports import handle_late
+from rai_missions.engine.semantics.running import poll
+from rai_missions.engine.semantics.stopped_time import shift
+from rai_missions.engine.semantics.timers import late_s
+from rai_missions.engine.semantics.timing import look_ahead
+from rai_missions.engine.semantics.waiting import drop_reports
 from rai_missions.engine.snapshot import control_of, put_back
 from rai_missions.engine.snapshot_json import unpacked
 from rai_missions.engine.state import RunState, refuse
 from rai_missions.engine.step import Move
-from rai_missions.engine.stopped_time import shift
-from rai_missions.engine.timers import late_s
-from rai_missions.engine.timing import look_ahead
-from rai_missions.engine.waiting import drop_reports
 from rai_missions.errors import suggestion
 from rai_missions.event import Event
 from rai_missions.keys import Stamped, type_error

@@ -6,8 +6,8 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Iterable, Mapping
 from typing import Any
 
-from rai_missions.engine.hold import run_at
-from rai_missions.engine.program import Program
+from rai_missions.engine.compiled.program import Program
+from rai_missions.engine.semantics.hold import run_at
 from rai_missions.engine.state import TABLE, FieldKind, RunState
 
 __all__ = ("give_time_back", "shift")

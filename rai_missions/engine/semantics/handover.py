@@ -6,15 +6,15 @@ from __future__ import annotations
 import math
 from collections.abc import Container
 
-from rai_missions.engine.compiled_states import CompiledState
-from rai_missions.engine.hold import held_by, held_controls, holder_of, is_held, run_at
-from rai_missions.engine.macrostep import complete
-from rai_missions.engine.program import Program
-from rai_missions.engine.reports import handle_late
-from rai_missions.engine.running import begin, leave_activity, request_control
+from rai_missions.engine.compiled.program import Program
+from rai_missions.engine.compiled.states import CompiledState
+from rai_missions.engine.semantics.hold import held_by, held_controls, holder_of, is_held, run_at
+from rai_missions.engine.semantics.macrostep import complete
+from rai_missions.engine.semantics.reports import handle_late
+from rai_missions.engine.semantics.running import begin, leave_activity, request_control
+from rai_missions.engine.semantics.stopped_time import give_time_back
 from rai_missions.engine.state import RunState, refuse
 from rai_missions.engine.step import Handover, control_note
-from rai_missions.engine.stopped_time import give_time_back
 from rai_missions.errors import suggestion
 from rai_missions.event import Event, is_taken
 from rai_missions.states.control import HOLDERS

@@ -10,9 +10,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from rai_missions.engine.activities.activity import Machine
-from rai_missions.engine.compiled_states import CompiledState
-from rai_missions.engine.configuration import Plan
-from rai_missions.engine.program import Program
+from rai_missions.engine.compiled.configuration import Plan
+from rai_missions.engine.compiled.program import Program
+from rai_missions.engine.compiled.states import CompiledState
 from rai_missions.engine.state import RunState
 from rai_missions.states.control import Holder
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterable
 
 from rai_missions.engine.activities import goal_ledger
-from rai_missions.engine.program import Program
+from rai_missions.engine.compiled.program import Program
 from rai_missions.engine.state import RunState, Trigger
 from rai_missions.event import Event
 

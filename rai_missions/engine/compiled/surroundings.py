@@ -11,13 +11,13 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from rai_missions.engine.activities.activity import Machine
-from rai_missions.engine.compiled_states import CompiledState
+from rai_missions.engine.compiled.states import CompiledState
 from rai_missions.event import Event
 from rai_missions.guards.view import Truth
 from rai_missions.states.control import Holder
 
 if TYPE_CHECKING:
-    from rai_missions.engine.configuration import CompiledMove
+    from rai_missions.engine.compiled.configuration import CompiledMove
     from rai_missions.engine.state import RunState
 
 __all__ = ("Surroundings",)

@@ -12,19 +12,19 @@ from math import inf
 from rai_missions.engine.activities.activity import NO_KEYS
 from rai_missions.engine.activities.ticker import TickResult
 from rai_missions.engine.activities.tree import acted
-from rai_missions.engine.blackboard import is_other, value_at
-from rai_missions.engine.compiled_states import Written
-from rai_missions.engine.configuration import CompiledMove, Looked
+from rai_missions.engine.compiled.configuration import CompiledMove, Looked
+from rai_missions.engine.compiled.program import Program
+from rai_missions.engine.compiled.states import Written
 from rai_missions.engine.decision import with_verdicts
-from rai_missions.engine.listening import RunningTree, WatchedNames
-from rai_missions.engine.macrostep import complete, enabled
-from rai_missions.engine.program import Program
-from rai_missions.engine.running import Host, take_turn
+from rai_missions.engine.semantics.blackboard import is_other, value_at
+from rai_missions.engine.semantics.listening import RunningTree, WatchedNames
+from rai_missions.engine.semantics.macrostep import complete, enabled
+from rai_missions.engine.semantics.running import Host, take_turn
+from rai_missions.engine.semantics.stepping import close, make_step
+from rai_missions.engine.semantics.timers import late_s
+from rai_missions.engine.semantics.timing import next_instant
 from rai_missions.engine.state import RunState, StepDraft
 from rai_missions.engine.step import Effect, Move, Step
-from rai_missions.engine.stepping import close, make_step
-from rai_missions.engine.timers import late_s
-from rai_missions.engine.timing import next_instant
 from rai_missions.event import Event
 from rai_missions.given import check_event
 from rai_missions.guards.view import Truth

@@ -9,23 +9,23 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rai_missions.engine.actions import act_of
 from rai_missions.engine.activities.ticker import Trees
-from rai_missions.engine.blackboard import ask_named
-from rai_missions.engine.commands import resync
-from rai_missions.engine.compiled_states import Act, CompiledState, Content
-from rai_missions.engine.completion import enter_each, reach_final
+from rai_missions.engine.compiled.program import Named, Program
+from rai_missions.engine.compiled.states import Act, CompiledState, Content
+from rai_missions.engine.compiled.surroundings import Surroundings
 from rai_missions.engine.decision import stale_verdict, with_verdicts
-from rai_missions.engine.events import handle, handle_before_start
-from rai_missions.engine.hold import held_controls
-from rai_missions.engine.macrostep import complete, make_move
-from rai_missions.engine.program import Named, Program
 from rai_missions.engine.robot_facts import RobotFacts
-from rai_missions.engine.running import resting, take_back
+from rai_missions.engine.semantics.actions import act_of
+from rai_missions.engine.semantics.blackboard import ask_named
+from rai_missions.engine.semantics.commands import resync
+from rai_missions.engine.semantics.completion import enter_each, reach_final
+from rai_missions.engine.semantics.events import handle, handle_before_start
+from rai_missions.engine.semantics.hold import held_controls
+from rai_missions.engine.semantics.macrostep import complete, make_move
+from rai_missions.engine.semantics.running import resting, take_back
+from rai_missions.engine.semantics.timing import catch_up, look_ahead, look_for_time
 from rai_missions.engine.state import RunState, StepDraft
 from rai_missions.engine.step import Step
-from rai_missions.engine.surroundings import Surroundings
-from rai_missions.engine.timing import catch_up, look_ahead, look_for_time
 from rai_missions.event import Event
 from rai_missions.guards.view import Truth
 from rai_missions.keys import Stamped

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rai_missions.engine.program import Program
+from rai_missions.engine.compiled.program import Program
 from rai_missions.engine.state import RunState
 from rai_missions.guards.guard import foreign_truth
 from rai_missions.guards.view import Truth

@@ -11,10 +11,10 @@ from collections.abc import Callable, Mapping
 from rai_missions.engine.activities.activity import Machine
 from rai_missions.engine.activities.factory import Bench, machine_of
 from rai_missions.engine.activities.ticker import Trees
-from rai_missions.engine.compiled_states import CompiledGuard, CompiledState, Content
+from rai_missions.engine.compiled.graph import Graph
+from rai_missions.engine.compiled.states import CompiledGuard, CompiledState, Content
+from rai_missions.engine.compiled.surroundings import Surroundings
 from rai_missions.engine.robot_facts import RobotFacts
-from rai_missions.engine.surroundings import Surroundings
-from rai_missions.engine.transitions import Graph
 from rai_missions.engine.trees import CompiledTrees
 from rai_missions.errors import UsageError
 from rai_missions.guards.view import Truth

@@ -10,9 +10,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from rai_missions.engine.compile import CompiledMission
-from rai_missions.engine.compiled_states import Act, CompiledState, CompiledTransition, Memory
-from rai_missions.engine.configuration import CompiledMove, Configuration, exchanged, innermost, inside, leaves, ordered
+from rai_missions.engine.compiled.configuration import (
+    CompiledMove,
+    Configuration,
+    exchanged,
+    innermost,
+    inside,
+    leaves,
+    ordered,
+)
+from rai_missions.engine.compiled.mission import CompiledMission
+from rai_missions.engine.compiled.states import Act, CompiledState, CompiledTransition, Memory
 from rai_missions.engine.step import Move
 from rai_missions.guards.view import presence
 from rai_missions.states.history import History

@@ -10,7 +10,7 @@ from functools import cached_property
 from operator import attrgetter
 from typing import Any
 
-from rai_missions.engine.compiled_states import Act, CompiledState, CompiledTransition, Write, WriteAct
+from rai_missions.engine.compiled.states import Act, CompiledState, CompiledTransition, Write, WriteAct
 from rai_missions.engine.step import Move
 from rai_missions.guards.view import Test, Truth
 from rai_missions.states.transition import ANY_EVENT

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from rai_missions.engine.compiled_states import Act, CompiledGuard, CompiledState, CompiledTransition, Content
-from rai_missions.engine.configuration import Configuration
+from rai_missions.engine.compiled.configuration import Configuration
+from rai_missions.engine.compiled.states import Act, CompiledGuard, CompiledState, CompiledTransition, Content
 from rai_missions.errors import UsageError, escaped
 from rai_missions.guards.guard import Guard
 from rai_missions.guards.view import Site, Truth

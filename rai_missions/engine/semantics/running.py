@@ -11,15 +11,15 @@ from rai_missions.engine.activities import goal_ledger
 from rai_missions.engine.activities.activity import GOALS, NO_KEYS, Outcome, Turn, listens
 from rai_missions.engine.activities.tree import TreeMachine, limit_of
 from rai_missions.engine.activities.tree_rounds import Rounds
-from rai_missions.engine.blackboard import write_key
-from rai_missions.engine.compiled_states import CompiledState
-from rai_missions.engine.hold import awake, holder_of, is_held, live
-from rai_missions.engine.listening import RunningTree, WatchedNames
-from rai_missions.engine.program import Program
+from rai_missions.engine.compiled.program import Program
+from rai_missions.engine.compiled.states import CompiledState
+from rai_missions.engine.semantics.blackboard import write_key
+from rai_missions.engine.semantics.hold import awake, holder_of, is_held, live
+from rai_missions.engine.semantics.listening import RunningTree, WatchedNames
+from rai_missions.engine.semantics.timers import begins_at, next_number
+from rai_missions.engine.semantics.waiting import drop_reports
 from rai_missions.engine.state import RunState, Trigger
 from rai_missions.engine.step import CancelGoal, Handover
-from rai_missions.engine.timers import begins_at, next_number
-from rai_missions.engine.waiting import drop_reports
 from rai_missions.event import Event
 
 __all__ = (

@@ -5,14 +5,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rai_missions.engine.actions import failed_call
+from rai_missions.engine.compiled.program import Program
 from rai_missions.engine.decision import VerdictNote, stale_verdict
-from rai_missions.engine.hold import is_for_held
-from rai_missions.engine.macrostep import complete, react
-from rai_missions.engine.program import Program
-from rai_missions.engine.running import dispatch, poll
+from rai_missions.engine.semantics.actions import failed_call
+from rai_missions.engine.semantics.hold import is_for_held
+from rai_missions.engine.semantics.macrostep import complete, react
+from rai_missions.engine.semantics.running import dispatch, poll
+from rai_missions.engine.semantics.waiting import keep, report, trigger_of, wait_out_pause
 from rai_missions.engine.state import RunState, refuse
-from rai_missions.engine.waiting import keep, report, trigger_of, wait_out_pause
 from rai_missions.event import Event, EventKind
 
 __all__ = ("WATCHED", "handle_late", "receive_answer", "receive_report", "watch_goal")

@@ -9,15 +9,15 @@ from typing import Any
 
 from rai_missions.engine.activities import goal_ledger
 from rai_missions.engine.activities.activity import Outcome
-from rai_missions.engine.blackboard import write_key
-from rai_missions.engine.compiled_states import CompiledGuard, CompiledState
-from rai_missions.engine.hold import is_held
-from rai_missions.engine.program import Program
-from rai_missions.engine.running import cancel_goals, leave_activity, outcome_of
+from rai_missions.engine.compiled.program import Program
+from rai_missions.engine.compiled.states import CompiledGuard, CompiledState
+from rai_missions.engine.semantics.blackboard import write_key
+from rai_missions.engine.semantics.hold import is_held
+from rai_missions.engine.semantics.running import cancel_goals, leave_activity, outcome_of
+from rai_missions.engine.semantics.timers import begins_at, late_s, now_of
+from rai_missions.engine.semantics.waiting import drop_reports
 from rai_missions.engine.state import RunState, Trigger
 from rai_missions.engine.step import Cause
-from rai_missions.engine.timers import begins_at, late_s, now_of
-from rai_missions.engine.waiting import drop_reports
 from rai_missions.guards.view import Operand, Site
 from rai_missions.keys import stale_at, type_error
 from rai_missions.states.compound import Each

@@ -11,13 +11,13 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-from rai_missions.engine.blackboard import known, note_news, write_key
-from rai_missions.engine.compiled_states import Act, WriteAct, Written
-from rai_missions.engine.program import Program
+from rai_missions.engine.compiled.program import Program
+from rai_missions.engine.compiled.states import Act, WriteAct, Written
+from rai_missions.engine.semantics.blackboard import known, note_news, write_key
+from rai_missions.engine.semantics.timers import drop, next_number, set_timer
 from rai_missions.engine.state import RunState, Trigger
 from rai_missions.engine.step import CallService, LogLine, PublishMessage, SayAloud
 from rai_missions.engine.templates import SentTemplate, unpublished
-from rai_missions.engine.timers import drop, next_number, set_timer
 from rai_missions.guards.view import Operand, Site
 from rai_missions.keys import Key, Stamped, type_error
 from rai_missions.plain_data import is_number

@@ -8,16 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from rai_missions.engine.blackboard import known, note_news
-from rai_missions.engine.commands import receive_command
-from rai_missions.engine.handover import receive_control
-from rai_missions.engine.hold import is_awaited, is_for_held
-from rai_missions.engine.macrostep import check_stopped, complete, react
-from rai_missions.engine.program import Program
-from rai_missions.engine.reports import WATCHED, receive_answer, receive_report, watch_goal
-from rai_missions.engine.running import poll
+from rai_missions.engine.compiled.program import Program
+from rai_missions.engine.semantics.blackboard import known, note_news
+from rai_missions.engine.semantics.commands import receive_command
+from rai_missions.engine.semantics.handover import receive_control
+from rai_missions.engine.semantics.hold import is_awaited, is_for_held
+from rai_missions.engine.semantics.macrostep import check_stopped, complete, react
+from rai_missions.engine.semantics.reports import WATCHED, receive_answer, receive_report, watch_goal
+from rai_missions.engine.semantics.running import poll
+from rai_missions.engine.semantics.waiting import keep, wait_out_pause, waiting_answers
 from rai_missions.engine.state import RunState, Trigger, refuse
-from rai_missions.engine.waiting import keep, wait_out_pause, waiting_answers
 from rai_missions.errors import suggestion
 from rai_missions.event import KINDS, Event, EventKind
 from rai_missions.keys import Stamped, stale_at, type_error
