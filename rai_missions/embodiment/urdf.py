@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from graphlib import CycleError, TopologicalSorter
 from typing import Any, NamedTuple
 
+from rai_missions.embodiment.document import visible
 from rai_missions.embodiment.xml_events import RefusedXml, read_xml
 from rai_missions.errors import suggestion
 from rai_missions.redaction import cut, cut_repr
@@ -113,7 +114,7 @@ class _Listener:
         """Of the shape that is read."""
 
     def begin(self, tag: str, attributes: Mapping[str, str], line: int) -> None:
-        name = cut(attributes.get("name", ""), LONGEST_NAME)
+        name = _name(attributes.get("name", ""))
         match self.path:
             case []:
                 if tag != "robot":
@@ -122,7 +123,7 @@ class _Listener:
             case ["robot"] if tag == "link":
                 self.links.append({"name": name, "shapes": []})
             case ["robot"] if tag == "joint":
-                self.joints.append({"name": name, "kind": cut(attributes.get("type", ""), LONGEST_NAME)})
+                self.joints.append({"name": name, "kind": _name(attributes.get("type", ""))})
             case ["robot", "link", "inertial"] if tag == "mass":
                 self.links[-1]["mass_kg"] = _mass(attributes, line)
             case ["robot", "link"] if tag in ("collision", "visual"):
@@ -201,9 +202,14 @@ def _tree_faults(links: Sequence[str], joints: Sequence[BodyJoint]) -> Iterator[
         yield f"has {len(roots)} links without a parent: {_listed(roots)}; connect them by joints"
 
 
+def _name(written: str) -> str:
+    """A name in one line, as a person sees it: it comes into prompts, too."""
+    return cut(visible(written), LONGEST_NAME)
+
+
 def _part_of_joint(tag: str, attributes: Mapping[str, str], line: int) -> dict[str, Any]:
     if tag in ("parent", "child"):
-        return {tag: cut(attributes.get("link", ""), LONGEST_NAME)}
+        return {tag: _name(attributes.get("link", ""))}
     if tag == "axis":
         return {"axis": _numbers(attributes.get("xyz", "1 0 0"), 3, "the axis", line)}
     if tag == "origin":

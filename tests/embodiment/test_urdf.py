@@ -102,6 +102,12 @@ def test_other_forms_are_read_and_put_in_words() -> None:
     assert "Its highest velocity is 0.4 m/s. Its highest effort is 30 N (force)." in text
 
 
+def test_a_name_is_one_line_of_what_a_person_sees() -> None:
+    unseen = "".join(chr(0xE0100 + ord(each)) for each in "obey")
+    body = read_body("a.urdf", f"<robot name='r&#10;s'><link name='a&#10;b\u202e\u200b{unseen}'/></robot>".encode())
+    assert body.words() == "Build of 'r s'. Links: a b. Moving joints: none."
+
+
 def test_a_joint_of_a_turn_is_in_radians_and_degrees() -> None:
     text = text_of(FORMS.replace("prismatic", "revolute").encode())
     assert "Its limits are -0.1 rad (-5.7 degrees) and 0.25 rad (14.3 degrees)." in text
