@@ -5,7 +5,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup run talk desk campaign campaigns fmt check test wheel compiled middleware ros-interfaces ros-package oracles fresh drill repeat mutate fuzz audit lock bench docs pictures weights clean
+.PHONY: help setup run talk desk campaign campaigns fmt check test long whole wheel compiled middleware ros-interfaces ros-package oracles fresh drill repeat mutate fuzz audit lock bench docs pictures weights clean
 
 BIN := .venv/bin
 comma := ,
@@ -70,6 +70,9 @@ test: .venv/.ready-dev ## Every check, the built wheel, and all tests; those tha
 long: .venv/.ready-dev ## The tests that take seconds each and show in more what those of `make test` show
 	$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup -m "long and not drill" \
 	    $(or $(sort $(shell grep -rl --include='test_*.py' 'mark\.long' $(TESTS))),$(TESTS))
+
+whole: .venv/.ready-dev ## The tests of `make test` and of `make long` in one run
+	$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup -m "not drill" $(TESTS)
 
 wheel: .venv/.ready-dev ## Build the wheel and try it outside the checkout
 	scripts/try_wheel.sh

@@ -89,7 +89,7 @@ socket.socket = LoopbackSocket  # type: ignore[misc]
 
 ON_ROS = frozenset({"ros", "domain", "graph", "tried"})
 """Fixtures of the tests that start nodes of ROS 2."""
-SLOW_MARKS = ("local_model", "sim")
+SLOW_MARKS = ("local_model", "long", "sim")
 SLOW_FOLDERS = frozenset({"model_process", "prove", "tutorial", "voice"})
 """Folders with tests that take seconds: one of them at the end would keep the other workers waiting."""
 DRILL_S = 3600

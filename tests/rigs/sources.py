@@ -25,13 +25,5 @@ def parsed(text: str) -> ast.Module:
 
 @cache
 def nodes(tree: ast.AST) -> tuple[ast.AST, ...]:
-    """The tree and all that is in it, in the order of `ast.walk`, in half of its time."""
-    found = [tree]
-    for node in found:  # which grows meanwhile
-        for name in node._fields:
-            value = getattr(node, name, None)
-            if isinstance(value, list):
-                found += [each for each in value if isinstance(each, ast.AST)]
-            elif isinstance(value, ast.AST):
-                found.append(value)
-    return tuple(found)
+    """The tree and all that is in it, as `ast.walk` finds them."""
+    return tuple(ast.walk(tree))
