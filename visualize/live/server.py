@@ -50,14 +50,15 @@ class LivePage:
 
     Args:
         place: Where.
+        tokens: The operator's and the viewers', where a page continues; new ones by default.
 
     Raises:
         UsageError: Nothing can be served there, or only unprotected.
     """
 
-    def __init__(self, place: PageAddress | None = None) -> None:
+    def __init__(self, place: PageAddress | None = None, tokens: tuple[str, str] | None = None) -> None:
         self.place = place or PageAddress()
-        self.token, self.viewer_token = secrets.token_urlsafe(32), secrets.token_urlsafe(32)
+        self.token, self.viewer_token = tokens or (secrets.token_urlsafe(32), secrets.token_urlsafe(32))
         """What a client must show to order anything, and what a viewer must show."""
         self._tls = bool(self.place.certificate or self.place.key)
         _check(self.place)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import ipaddress
 import json
 import os
+import re
 import socket
 import stat
 import sys
@@ -17,12 +18,13 @@ from urllib.parse import urlsplit
 
 from rai_missions.errors import MissionError, UsageError, irregular
 
-__all__ = ("find_journal", "run_file", "running_page")
+__all__ = ("find_journal", "left_tokens", "run_file", "running_page")
 
 FOLDER = Path("journals")
 RUN_FILES = ("*.journal.watch", "*/*.journal.watch", "*/*/*.journal.watch")
 """Where a run that is still active is looked for: here, and two folders deep."""
 ANSWERS_S = 1.0
+TOKEN = re.compile(r"#token=(?P<token>[A-Za-z0-9_-]{43})$")
 
 
 @contextmanager
@@ -89,21 +91,41 @@ def _elsewhere() -> list[Path]:
 
 def running_page(journal: Path) -> dict[str, Any] | None:
     """What the run of a journal reports of its own page, if it is there and answers."""
-    path = Path(f"{journal}.watch")
-    if irregular(path):
-        return None
+    about_page = _private(journal)
     try:
-        about = path.stat()
-        about_page = json.loads(path.read_text(encoding="utf-8"))
-        if about.st_uid != os.getuid() or stat.S_IMODE(about.st_mode) & 0o077 or not isinstance(about_page["url"], str):
-            return None
         place = urlsplit(about_page["url"])
         if not _is_here(place.hostname or ""):
             return None
         with socket.create_connection((place.hostname or "", place.port or 0), timeout=ANSWERS_S):
-            return dict(about_page)
-    except (OSError, ValueError, KeyError, TypeError):
+            return about_page
+    except (OSError, ValueError, KeyError):
         return None
+
+
+def left_tokens(journal: str | Path | None) -> tuple[str, str] | None:
+    """The tokens of the page of a run that was killed: those who had it open are let in by the process that resumes it.
+
+    Returns:
+        The operator's and the viewers'; None where the run has left no file that its user alone could write.
+    """
+    about_page = _private(Path(journal)) if journal else {}
+    found = [TOKEN.search(str(about_page.get(word, ""))) for word in ("url", "viewer_url")]
+    operator, viewer = (each["token"] if each else "" for each in found)
+    return (operator, viewer) if operator and viewer and operator != viewer else None
+
+
+def _private(journal: Path) -> dict[str, Any]:
+    """What the file of a journal's page holds; empty where there is none that its user alone may read."""
+    path = Path(f"{journal}.watch")
+    if irregular(path):
+        return {}
+    try:
+        about = path.stat()
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    is_private = about.st_uid == os.getuid() and not stat.S_IMODE(about.st_mode) & 0o077
+    return found if is_private and isinstance(found, dict) and isinstance(found.get("url"), str) else {}
 
 
 def _is_here(host: str) -> bool:

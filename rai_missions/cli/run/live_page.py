@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from rai_missions.cli.command import PAGE_PORT
-from rai_missions.cli.run.find_page import run_file
+from rai_missions.cli.run.find_page import left_tokens, run_file
 from rai_missions.cli.run.open_page import open_page
 from rai_missions.errors import UsageError
 from rai_missions.runtime.run_options import RunObserver
@@ -61,7 +61,13 @@ def page_of(options: RunOptions, config: RunConfig) -> Iterator[RunPage | None]:
     if options.watch is None:
         yield None
         return
-    page = open_page(options.watch, host=options.host, tls_cert=options.tls_cert, tls_key=options.tls_key)
+    page = open_page(
+        options.watch,
+        host=options.host,
+        tls_cert=options.tls_cert,
+        tls_key=options.tls_key,
+        tokens=left_tokens(config.resume),
+    )
     try:
         yield RunPage(page, config, operator=not options.no_operator)
     finally:

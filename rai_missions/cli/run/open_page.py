@@ -15,7 +15,13 @@ __all__ = ("open_page",)
 
 
 def open_page(
-    port: str | int, *, host: str | None, tls_cert: str | None, tls_key: str | None, instead: str = ""
+    port: str | int,
+    *,
+    host: str | None,
+    tls_cert: str | None,
+    tls_key: str | None,
+    tokens: tuple[str, str] | None = None,
+    instead: str = "",
 ) -> LivePage:
     """An address for a page; nothing is shown there yet.
 
@@ -24,6 +30,7 @@ def open_page(
         host: Its address; None is this machine's own.
         tls_cert: The file of its certificate.
         tls_key: The file of the key.
+        tokens: The operator's and the viewers', where a page continues; new ones by default.
         instead: What is possible where no page can be served, as the end of the sentence of the fault.
 
     Raises:
@@ -33,4 +40,4 @@ def open_page(
         raise UsageError(f"the live page needs Starlette and uvicorn: {install_command('watch')}{instead}")
     from visualize.live import LivePage, PageAddress
 
-    return LivePage(PageAddress(host or "127.0.0.1", int(port), tls_cert or "", tls_key or ""))
+    return LivePage(PageAddress(host or "127.0.0.1", int(port), tls_cert or "", tls_key or ""), tokens)

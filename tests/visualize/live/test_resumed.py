@@ -3,19 +3,23 @@
 
 from __future__ import annotations
 
+import json
 import threading
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from rai_missions.agents.mission import RunConfig, prepare
-from rai_missions.cli.run.live_page import RunPage
+from rai_missions.cli.run.live_page import RunPage, page_of
+from rai_missions.cli.run.options import RunOptions
 from rai_missions.engine import Chart
 from rai_missions.event import Event
 from rai_missions.journal import Journal
 from rai_missions.recording import journal_of
 from rai_missions.replay.replay import replay
 from rai_missions.runtime.result import Result
+from rai_missions.runtime.runner import Runner
 from tests.node.scenes import mission
 from tests.rigs.journals import raw_rows_of
 from tests.visualize.live.stage import Viewer, ask, until
@@ -71,3 +75,37 @@ def test_a_question_that_was_open_is_answered_on_the_page_of_the_process_that_co
     with journal_of(recording) as replayed:
         assert raw_rows_of(replayed.path) == raw_rows_of(journal)
         assert replay(replayed.path).outcome == "aborted"
+
+
+@pytest.mark.parametrize(
+    ("mode", "words", "is_let_in"),
+    [
+        (0o600, {}, True),
+        (0o644, {}, False),
+        (0o600, {"viewer_url": "http://127.0.0.1:1/#token=short"}, False),
+        (0o600, {"url": 7}, False),
+    ],
+)
+def test_those_who_had_the_page_of_a_killed_run_open_are_let_in_by_the_one_that_resumes_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], mode: int, words: dict[str, Any], is_let_in: bool
+) -> None:
+    pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
+    journal = tmp_path / "a.journal"
+    cut_short(journal, ("ask", "event"))
+    killed = [f"http://127.0.0.1:1/#token={each * 43}" for each in "ab"]
+    left = Path(f"{journal}.watch")
+    left.write_text(json.dumps({"url": killed[0], "viewer_url": killed[1], **words}))
+    left.chmod(mode)
+    options = RunOptions(resume=str(journal), watch="0")
+    with page_of(options, RunConfig(None, journal=journal, resume=journal)) as page:
+        assert page is not None
+
+        def cancel(runner: Runner) -> Result:
+            runner.cancel("a test")
+            return runner.run()
+
+        with prepare(page.config) as prepared:
+            page.run(prepared, cancel)
+    tokens = [line.partition("#token=")[2] for line in capsys.readouterr().err.splitlines() if "#token=" in line]
+    assert (tokens == ["a" * 43, "b" * 43]) is is_let_in
+    assert len(set(tokens)) == 2 and {len(each) for each in tokens} == {43}
