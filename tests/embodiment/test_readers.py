@@ -69,6 +69,17 @@ def test_markdown_is_read_as_its_reader_sees_it() -> None:
     ]
 
 
+@pytest.mark.parametrize("mark", ["> ", "- ", "1. ", "> - "])
+def test_markdown_is_read_whole_or_refused_with_the_line_that_is_nested_too_deep(mark: str) -> None:
+    for depth in range(1, 60):
+        page = f"seen\n\n{mark * depth}here".encode()
+        try:
+            assert text(read("a.md", page)) == "seen\n\nhere"
+        except ValueError:
+            assert depth > 12 and "is nested more than 40 deep in line 3" in fault("a.md", page)
+    assert fault("a.md", page)
+
+
 def test_tables_keep_their_lines() -> None:
     table = "<table><tr><th>What</th><th>Value</th></tr><tr><td>Mass</td><td><p>6 kg</p></td></tr></table>"
     assert text(read("a.html", table.encode())) == "What | Value\n\nMass | 6 kg"

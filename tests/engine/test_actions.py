@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
+
 from rai_missions.engine import Chart
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.step import CallService, CancelGoal, Handover, StartGoal, Step
@@ -217,11 +219,12 @@ def test_kill_stops_every_goal_accepted_or_not() -> None:
     assert (step.outcome, step.why, made.holder) == ("aborted", "e-stop by button", "nobody")
 
 
-def test_pause_cancels_the_goal_and_resume_starts_it_again_with_the_time_that_was_left() -> None:
+@pytest.mark.parametrize("end", ["canceled", "succeeded"])
+def test_pause_cancels_the_goal_and_resume_starts_it_again_with_the_time_that_was_left(end: str) -> None:
     made, number = started(driving(timeout_s=10))
     reports(made, "accepted", number, at=1.0)
     assert cancels(made.send(Event("pause", 4.0, {}, "command"))) == [number]
-    reports(made, "canceled", number, at=5.0)
+    reports(made, end, number, at=5.0)
     assert ticked(made, 500.0).moves == ()
     step = made.send(Event("resume", 1000.0, {}, "command"))
     assert starts(step) and step.wake_at == 1006.0

@@ -15,7 +15,7 @@ from rai_missions.embodiment.readers.plain import decoded
 __all__ = ("read_markdown",)
 
 DEEPEST = 40
-"""Blocks inside each other; what lies deeper is one text."""
+"""Quotations, lists and their items inside each other; what lies deeper is passed over by markdown-it-py."""
 FRONT_MATTER = re.compile(r"---[ \t]*\n.*?^(?:---|\.\.\.)[ \t]*(?:\n|\Z)", re.DOTALL | re.MULTILINE)
 """The block of settings that some programs keep at the top."""
 
@@ -24,7 +24,7 @@ def read_markdown(_name: str, data: bytes) -> TextDocument:
     """A Markdown file.
 
     Raises:
-        ValueError: It is not UTF-8, too long, empty, or HTML in it never closes what hides the rest.
+        ValueError: It is not UTF-8, too long, empty, nested too deep, or HTML in it never closes what hides the rest.
     """
     from markdown_it import MarkdownIt
 
@@ -36,6 +36,8 @@ def read_markdown(_name: str, data: bytes) -> TextDocument:
     ahead = text.count("\n") - shown.count("\n") + 1
     for token in reader.parse(shown):
         line = ahead + token.map[0] if token.map else line
+        if token.type in ("blockquote_open", "list_item_open") and token.level + 1 >= DEEPEST:
+            raise ValueError(f"is nested more than {DEEPEST} deep in line {line}; write it with fewer levels")
         pieces.append(reader.renderer.render([token], reader.options, {}).removesuffix("\n"))
         lines += range(line, line + pieces[-1].count("\n") + 1)
     outline = Outline()
