@@ -85,7 +85,7 @@ def counting(regions: int, *, shared: bool = False, digits: int = DIGITS) -> dic
 def measure(what: str) -> dict[str, Any]:
     from rai_missions import load
     from rai_missions.mission.mission import Mission
-    from rai_missions.profile import load_profile, terms
+    from rai_missions.profile import load_profile, robot_facts
     from rai_missions.prove import prove
 
     robot = None
@@ -97,9 +97,9 @@ def measure(what: str) -> dict[str, Any]:
         missions = [Mission.model_validate(chart)]
     else:
         missions = [load(ROOT / "missions" / what / "mission.json")]
-        robot = terms(load_profile(ROOT / "missions" / what / "robot.sim.json"))
+        robot = robot_facts(load_profile(ROOT / "missions" / what / "robot.sim.json"))
     before = time.process_time()
-    proofs = [prove(each, terms=robot, most=2_000_000) for each in missions]
+    proofs = [prove(each, robot_facts=robot, most=2_000_000) for each in missions]
     return {
         "what": named(what),
         "verdict": ", ".join(sorted({each.verdict for each in proofs})),

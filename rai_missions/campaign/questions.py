@@ -24,7 +24,7 @@ from rai_missions.errors import DefinitionError, Fault, MissionError, UsageError
 from rai_missions.event import Event
 from rai_missions.image import Image
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import Robot, identity_folder, load_profile, terms
+from rai_missions.profile import Robot, identity_folder, load_profile, robot_facts
 from rai_missions.runtime.runner import Runner
 from rai_missions.states.decision import DecisionSpec
 
@@ -156,7 +156,7 @@ def ask_in(scene: SceneRecord, subject: CampaignSubject, *, longest_s: float = L
         UsageError: The world cannot be built as the scene has it.
     """
     robot = in_scene(subject.robot, scene)
-    chart = Chart(subject.mission, terms=terms(robot))
+    chart = Chart(subject.mission, robot_facts=robot_facts(robot))
     seeker = QuestionSeeker(chart, subject.decision, longest_s)
     waiting = WaitingAnswerer()
     config = RunConfig(

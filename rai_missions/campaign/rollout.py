@@ -326,7 +326,7 @@ def _unguarded(chart: Chart, owner: str, option: str) -> Chart:
         each.pop("when", None)
     spec["attempts"] = 100
     mission = Mission.model_validate(written)
-    return Chart.restore(mission, chart.snapshot(), terms=chart.terms, named=chart.program.named)
+    return Chart.restore(mission, chart.snapshot(), robot_facts=chart.robot_facts, named=chart.program.named)
 
 
 def _spec_of(mission: Mission, written: Any, owner: str) -> dict[str, Any]:

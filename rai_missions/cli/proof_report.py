@@ -66,15 +66,15 @@ def write_journals(proof: Proof, mission: Mission, robot: Robot | None, output: 
         output: The file to write; without it, one is named for the mission and the claim.
     """
     written: dict[str, Any] = {}
-    profile, of_robot = "", None
+    profile, facts = "", None
     if not proof.ways:
         return written
     from rai_missions.journal import Header  # it takes 9 ms, and a proof without a refutation does without
 
     if robot is not None:
-        from rai_missions.profile import dump_profile, terms  # few proofs need it, and it takes 20 ms
+        from rai_missions.profile import dump_profile, robot_facts  # few proofs need it, and it takes 20 ms
 
-        profile, of_robot = dump_profile(robot), terms(robot)
+        profile, facts = dump_profile(robot), robot_facts(robot)
     for name, scenes in proof.ways.items():
         arguments = {
             key: value
@@ -85,7 +85,7 @@ def write_journals(proof: Proof, mission: Mission, robot: Robot | None, output: 
         header = Header(journal_text(mission), profile, arguments, versions=mission.packages())
         path = _path(output, mission, name, only=len(proof.ways) == 1)
         try:
-            shows = record(path, header, mission, scenes, terms=of_robot)
+            shows = record(path, header, mission, scenes, robot_facts=facts)
         except (UsageError, ConnectorError) as error:
             written[name] = {"journal": None, "unwritten": str(error)}
         else:

@@ -49,7 +49,7 @@ class Chart(ChartView):
     Args:
         mission: A mission that `check` finds no fault in.
         ticker: Who ticks trees: `rai_missions.trees.PyTrees()` for py_trees itself, which comes to the same.
-        terms: What is known of the robot: which actions exclude each other, when a composed one has succeeded.
+        robot_facts: What is known of the robot: which actions exclude each other, when a composed one has succeeded.
         named: The predicates that `{"named": …}` guards name.
         surroundings: Where a proof watches, and what it leaves open; a run needs none.
 
@@ -62,16 +62,16 @@ class Chart(ChartView):
         mission: Mission,
         ticker: Trees | None = None,
         *,
-        terms: RobotFacts | None = None,
+        robot_facts: RobotFacts | None = None,
         named: Named | None = None,
         surroundings: Surroundings | None = None,
     ) -> None:
         given_mission(mission, "a chart")
         check_given(ticker, (Trees, NoneType), "ticker", "what compiles trees", "PyTrees() is one")
-        check_facts(terms)
+        check_facts(robot_facts)
         if named is not None:
             given_names(named, "named", "predicates")
-        program = compiled(mission, ticker, facts=terms, named=named, surroundings=surroundings)
+        program = compiled(mission, ticker, robot_facts=robot_facts, named=named, surroundings=surroundings)
         super().__init__(program, fresh(program))
 
     @classmethod
@@ -81,7 +81,7 @@ class Chart(ChartView):
         saved: Snapshot,
         ticker: Trees | None = None,
         *,
-        terms: RobotFacts | None = None,
+        robot_facts: RobotFacts | None = None,
         named: Named | None = None,
     ) -> Chart:
         """A chart that continues where a snapshot was taken.
@@ -90,7 +90,7 @@ class Chart(ChartView):
             UsageError: It is no mission, or no snapshot.
         """
         given_names(saved, "restore", "what a snapshot holds")
-        chart = cls(mission, ticker, terms=terms, named=named)
+        chart = cls(mission, ticker, robot_facts=robot_facts, named=named)
         snapshot.put_back(chart.program, chart.state, saved)
         return chart
 

@@ -48,9 +48,9 @@ class ChartView:
         return self._program.mission
 
     @property
-    def terms(self) -> RobotFacts:
+    def robot_facts(self) -> RobotFacts:
         """What is known of the robot."""
-        return self._program.facts
+        return self._program.robot_facts
 
     @property
     def at(self) -> float:

@@ -37,9 +37,11 @@ class RobotFacts(NamedTuple):
 
 
 def check_facts(given: object) -> None:
-    """Refuse as `terms` what is of another kind, unless none are given; see `check_given`.
+    """Refuse as `robot_facts` what is of another kind, unless none are given; see `check_given`.
 
     Raises:
         UsageError: It is.
     """
-    check_given(given, (RobotFacts, NoneType), "terms", "what rai_missions.profile.terms makes of a profile")
+    check_given(
+        given, (RobotFacts, NoneType), "robot_facts", "what rai_missions.profile.robot_facts makes of a profile"
+    )

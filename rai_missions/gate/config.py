@@ -108,7 +108,7 @@ class GateWords(MissionModel):
         return commands
 
     @property
-    def terms(self) -> GateRules:
+    def rules(self) -> GateRules:
         """What its rules need to know."""
         leases = {who: lease_s for who, lease_s in self.leases.items() if lease_s > 0}
         unlooked = frozenset(each.topic for each in self.commands if not each.finite)

@@ -73,7 +73,7 @@ class GateAgent:
     ) -> None:
         self._words, self._connector, self._observe, self._memory = words, connector, observe, memory
         self._clock: Clock = clock if clock is not None else WallClock()
-        self._terms, self._topics = words.terms, {each.topic: each for each in words.commands}
+        self._rules, self._topics = words.rules, {each.topic: each for each in words.commands}
         self._lock = threading.Lock()
         self._mailbox = Mailbox()
         self._waits_until = math.inf
@@ -116,7 +116,7 @@ class GateAgent:
             self.open()
             while not self._is_over:
                 with self._lock:
-                    self._waits_until = self.gate.wake_at(self._terms)
+                    self._waits_until = self.gate.wake_at(self._rules)
                 self._clock.wait(self._mailbox, self._waits_until, paced=False)
                 self._mailbox.take()
                 self.tick()
@@ -209,10 +209,10 @@ class GateAgent:
         with self._lock:
             if self._is_closed:
                 return ()
-            self.gate, done = step(self._terms, self.gate, happening(self._clock.now()))
+            self.gate, done = step(self._rules, self.gate, happening(self._clock.now()))
             for effect in done:
                 self._turns.put(partial(self._do, effect))
-            if self.gate.wake_at(self._terms) < self._waits_until:
+            if self.gate.wake_at(self._rules) < self._waits_until:
                 self._mailbox.wake()
         self._turns.run()
         return done
@@ -251,6 +251,6 @@ class GateAgent:
         return failed
 
     def _publish(self, gate: Gate) -> None:
-        status = {"gate": self._identity, **status_of(gate, self._terms), "commands": list(self._topics)}
+        status = {"gate": self._identity, **status_of(gate, self._rules), "commands": list(self._topics)}
         self._connector.publish(f"{self._words.name}/status", STRING, {"data": json.dumps(status)})
         self._connector.publish(f"{self._words.name}/holder", STRING, {"data": gate.holder})

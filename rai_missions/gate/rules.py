@@ -33,35 +33,35 @@ __all__ = ("step",)
 Turn = tuple[Gate, tuple[GateEffect, ...]]
 
 
-def step(terms: GateRules, gate: Gate, happening: GateEvent) -> Turn:
+def step(rules: GateRules, gate: Gate, happening: GateEvent) -> Turn:
     """What a gate is after something has happened, and what is done, in this order.
 
     Time never runs backwards: what happens before the last instant known happens at it.
     """
-    gate, lapsed = _lapse(terms, gate._replace(at=max(gate.at, happening.at)))
+    gate, lapsed = _lapse(rules, gate._replace(at=max(gate.at, happening.at)))
     if isinstance(happening, Request):
         gate, done = _request(gate, happening)
     elif isinstance(happening, ActuatorCommand):
-        gate, done = _command(terms, gate, happening)
+        gate, done = _command(rules, gate, happening)
     else:
         gate, done = (_alive(gate, happening.who) if isinstance(happening, Alive) else gate), ()
     done = (*lapsed, *done)
-    if gate.at >= gate.published + terms.status_s or any(isinstance(each, ControlChange | Answer) for each in done):
+    if gate.at >= gate.published + rules.status_s or any(isinstance(each, ControlChange | Answer) for each in done):
         gate = gate._replace(published=gate.at)
         done = (*done, PublishStatus(gate))
     return gate, done
 
 
-def _lapse(terms: GateRules, gate: Gate) -> Turn:
+def _lapse(rules: GateRules, gate: Gate) -> Turn:
     """A holder that is silent for longer than its lease loses control to the safe one.
 
     Where the safe one or the operator does, no one has it: only the operator gives back what the operator had.
     """
-    if gate.at < gate.lapses_at(terms):
+    if gate.at < gate.lapses_at(rules):
         return gate, ()
     control = Control(gate.holder, kept=gate.kept)
-    control.acknowledge(terms.safe if gate.holder not in (terms.safe, "operator") else "nobody")
-    return _changed(gate, control, f"{gate.holder} was silent for {terms.leases[gate.holder]:g} s")
+    control.acknowledge(rules.safe if gate.holder not in (rules.safe, "operator") else "nobody")
+    return _changed(gate, control, f"{gate.holder} was silent for {rules.leases[gate.holder]:g} s")
 
 
 def _request(gate: Gate, request: Request) -> Turn:
@@ -86,9 +86,9 @@ def _request(gate: Gate, request: Request) -> Turn:
     return gate, (*changes, Answer(gate.revision, request, ""))
 
 
-def _command(terms: GateRules, gate: Gate, command: ActuatorCommand) -> Turn:
+def _command(rules: GateRules, gate: Gate, command: ActuatorCommand) -> Turn:
     who, command = command.who, command._replace(at=gate.at)
-    why = _stops(gate, command) or ("" if command.topic in terms.unlooked else _no_finite(command.data))
+    why = _stops(gate, command) or ("" if command.topic in rules.unlooked else _no_finite(command.data))
     gate = _alive(gate, who)._replace(commanded={**gate.commanded, who: gate.at})
     if why:
         gate = gate._replace(refused=_counted(gate.refused, who), last_refusal=f"{who} on {command.topic}: {why}")

@@ -168,18 +168,18 @@ class Gate(NamedTuple):
     last_refusal: str = ""
     """Who was refused last, and why."""
 
-    def lapses_at(self, terms: GateRules) -> float:
+    def lapses_at(self, rules: GateRules) -> float:
         """When the holder loses control if it stays silent; infinity for never."""
-        if self.holder == "nobody" or self.holder not in terms.leases:
+        if self.holder == "nobody" or self.holder not in rules.leases:
             return math.inf
-        return max(self.since, self.alive.get(self.holder, -math.inf)) + terms.leases[self.holder]
+        return max(self.since, self.alive.get(self.holder, -math.inf)) + rules.leases[self.holder]
 
-    def wake_at(self, terms: GateRules) -> float:
+    def wake_at(self, rules: GateRules) -> float:
         """When the gate next does something by itself."""
-        return min(self.lapses_at(terms), self.published + terms.status_s)
+        return min(self.lapses_at(rules), self.published + rules.status_s)
 
 
-def status_of(gate: Gate, terms: GateRules) -> dict[str, Any]:
+def status_of(gate: Gate, rules: GateRules) -> dict[str, Any]:
     """The status, as everybody reads it; instants are seconds on the gate's clock, `at` among them."""
     return {
         "revision": gate.revision,
@@ -188,8 +188,8 @@ def status_of(gate: Gate, terms: GateRules) -> dict[str, Any]:
         "taken": gate.kept,
         "since": round(gate.since, 6),
         "at": round(gate.at, 6),
-        "safe": terms.safe,
-        "leases": dict(terms.leases),
+        "safe": rules.safe,
+        "leases": dict(rules.leases),
         "last_command_age_s": {
             who: round(gate.at - gate.commanded[who], 6) if who in gate.commanded else None for who in COMMANDERS
         },

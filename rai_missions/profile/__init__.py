@@ -28,7 +28,7 @@ from rai_missions.profile.files import (
 )
 from rai_missions.profile.legible import legible_profile, load_whole_profile, missing_anyway
 from rai_missions.profile.message_fields import absent_field, unknown_fields, why_unreadable
-from rai_missions.profile.profile import Robot, Rule, terms
+from rai_missions.profile.profile import Robot, Rule, robot_facts
 from rai_missions.profile.python_robot import RobotProgram, check_functions, profile_of, read_program
 from rai_missions.profile.sources import EventSource, Source
 
@@ -71,7 +71,7 @@ __all__ = (
     "profile_of",
     "read_program",
     "recorded_profile",
-    "terms",
+    "robot_facts",
     "unknown_fields",
     "wanted",
     "why_unreadable",

@@ -34,7 +34,7 @@ from rai_missions.profile.sources import EventSource, Source
 from rai_missions.redaction import shown
 from rai_missions.states.control import HOLDERS
 
-__all__ = ("Place", "Robot", "Rule", "ToolPolicy", "service_places", "terms")
+__all__ = ("Place", "Robot", "Rule", "ToolPolicy", "robot_facts", "service_places")
 
 
 class Rule(MissionModel):
@@ -153,7 +153,7 @@ class Robot(MissionModel):
         return {"format": self.format, **super().written()}
 
 
-def terms(robot: Robot) -> RobotFacts:
+def robot_facts(robot: Robot) -> RobotFacts:
     """What the pure engine needs to know of a robot."""
     actions = robot.actions
     return RobotFacts(

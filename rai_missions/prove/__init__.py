@@ -81,7 +81,7 @@ def prove(
     mission: Mission,
     ticker: Trees | None = None,
     *,
-    terms: RobotFacts | None = None,
+    robot_facts: RobotFacts | None = None,
     most: int = MOST_STATES,
     seconds: float = math.inf,
     memory_mb: float = math.inf,
@@ -98,7 +98,7 @@ def prove(
     Args:
         mission: One that `check` finds no fault in.
         ticker: Who ticks trees, if not as compiled by the chart.
-        terms: What is known of the robot: without a profile all actions exclude each other, and have servers.
+        robot_facts: What is known of the robot: without a profile all actions exclude each other, and have servers.
         most: States at the most; a kilobyte or two each.
         seconds: Wall time at the most.
         memory_mb: Resident memory of the process at the most, in MiB.
@@ -110,13 +110,15 @@ def prove(
         UsageError: It is no mission, or a limit is not above 0.
     """
     given_mission(mission, "prove")
-    check_facts(terms)
+    check_facts(robot_facts)
     limits: dict[str, object] = {"most": most, "seconds": seconds, "memory_mb": memory_mb, "work": work}
     for word, limit in limits.items():
         if not (isinstance(limit, int | float) and limit > 0):
             raise UsageError(f"{word}={shown(limit)} leaves nothing to explore; give a number above 0")
     with few_collections():  # what is explored is kept, and in no circles
-        return _ProofRun(mission, ticker, terms, Limits(most, seconds, memory_mb, work, continues), progress).proof()
+        return _ProofRun(
+            mission, ticker, robot_facts, Limits(most, seconds, memory_mb, work, continues), progress
+        ).proof()
 
 
 class _ProofRun:
@@ -126,14 +128,14 @@ class _ProofRun:
         self,
         mission: Mission,
         ticker: Trees | None,
-        terms: RobotFacts | None,
+        robot_facts: RobotFacts | None,
         limits: Limits,
         progress: Callable[[int, int], None],
     ) -> None:
         self._mission, self._ticker, self._progress = mission, ticker, progress
-        self._terms = terms if terms is not None else RobotFacts()
+        self._robot_facts = robot_facts if robot_facts is not None else RobotFacts()
         self._limits, self._began = limits, time.perf_counter()
-        self._rounds = {loop: min(FEW, loop.rounds) for loop in long_loops(mission, self._terms)}
+        self._rounds = {loop: min(FEW, loop.rounds) for loop in long_loops(mission, self._robot_facts)}
         """How many rounds of each long loop are explored."""
         self._few = with_rounds(mission, self._rounds)
         """The mission with so many."""
@@ -217,7 +219,7 @@ class _ProofRun:
         return space
 
     def _environment(self, mission: Mission, *, is_calm: bool = False) -> Environment:
-        environment = Environment(mission, self._ticker, terms=self._terms, is_calm=is_calm)
+        environment = Environment(mission, self._ticker, robot_facts=self._robot_facts, is_calm=is_calm)
         environment.codec.loops = tuple(self._rounds)
         return environment
 
@@ -243,7 +245,7 @@ class _ProofRun:
 
 
 def record(
-    path: Path, header: Header, mission: Mission, run: list[TraceStep], *, terms: RobotFacts | None = None
+    path: Path, header: Header, mission: Mission, run: list[TraceStep], *, robot_facts: RobotFacts | None = None
 ) -> bool:
     """Have a chart that keeps time do the run of a refutation, into a new journal.
 
@@ -257,4 +259,4 @@ def record(
     from rai_missions.journal import Journal  # slow to import, and a proof alone does without
 
     with Journal.create(path, header) as journal:
-        return TraceReplayer(mission, terms, journal).play(run)
+        return TraceReplayer(mission, robot_facts, journal).play(run)

@@ -22,7 +22,7 @@ from rai_missions.journal import Record, StepRow
 from rai_missions.mission.json_reader import parse_json
 from rai_missions.mission.mission import Mission
 from rai_missions.model.validation_errors import validated
-from rai_missions.profile import Robot, recorded_profile, terms
+from rai_missions.profile import Robot, recorded_profile, robot_facts
 
 __all__ = ("JournalReplayer", "Predicates", "mission_of", "recorded_robot", "robot_of")
 
@@ -56,7 +56,7 @@ class JournalReplayer:
             self.chart = Chart(
                 mission,
                 ticker,
-                terms=terms(robot) if robot is not None else None,
+                robot_facts=robot_facts(robot) if robot is not None else None,
                 named={name: partial(self._predicate, name) for name in mission.predicates()},
             )
         except MissionError:

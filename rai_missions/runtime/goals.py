@@ -16,7 +16,7 @@ from rai_missions.connectors.connector import ENDS, Connector, HostsActions, OnR
 from rai_missions.engine.step import CancelGoal, StartGoal
 from rai_missions.errors import in_words
 from rai_missions.event import EventKind
-from rai_missions.profile import ActionEntry, Robot, plain, terms
+from rai_missions.profile import ActionEntry, Robot, plain, robot_facts
 from rai_missions.redaction import cut, logger
 from rai_missions.runtime.cancels import Cancels, outcome_of
 
@@ -67,7 +67,7 @@ class Goals:
         """Composed actions that may have begun, and whose end the robot has not answered."""
         self._waiting: set[int] = set()
         """Goals that are sent once a lost one before them has ended."""
-        self._conflict = terms(robot).conflict
+        self._conflict = robot_facts(robot).conflict
         self.cancels = Cancels(connector, later)
 
     def close(self) -> None:

@@ -26,7 +26,7 @@ from rai_missions.given import check_given
 from rai_missions.journal.buffer import BufferedWriter, JournalSink, raised_by
 from rai_missions.mission.mission import Mission, given_mission
 from rai_missions.mission.start_fault import StartFault
-from rai_missions.profile import Robot, actions_of, missing, terms
+from rai_missions.profile import Robot, actions_of, missing, robot_facts
 from rai_missions.redaction import Redaction, cut, logger
 from rai_missions.replay.resume import Resumption
 from rai_missions.runtime.arguments import accepted, argument_faults
@@ -120,8 +120,8 @@ class Runner(RunCommands):
             self._resumed, self._chart, self._arguments = begin, begin.chart, begin.arguments
             self._decisions, mode_by = begin.decisions, begin.mode_by
         else:
-            of_robot = terms(robot) if robot is not None else None
-            self._chart = Chart(mission, begin.ticker, terms=of_robot, named=begin.named)
+            facts = robot_facts(robot) if robot is not None else None
+            self._chart = Chart(mission, begin.ticker, robot_facts=facts, named=begin.named)
             self._arguments = accepted(mission, begin.arguments, whole=not begin.waits)
             self._moved_aside = begin.moved_aside
         self._waits = begin.waits and self._chart.unstarted

@@ -9,14 +9,14 @@ import pytest
 
 from rai_missions.check import check
 from rai_missions.mission.files import dump, load
-from rai_missions.profile import load_profile, missing, terms
+from rai_missions.profile import load_profile, missing, robot_facts
 from rai_missions.prove import prove
 from rai_missions.prove.environment.environment import Environment
 from tests.desk.episodes import DESK_MISSIONS, Episode, episode
 from tests.desk.scenes import CASES, Case
 
 MISSIONS = ["arrange", "sort", "stack", "swap"]
-ROBOT = terms(load_profile(DESK_MISSIONS / "robot.sim.json"))
+ROBOT = robot_facts(load_profile(DESK_MISSIONS / "robot.sim.json"))
 RED, BLUE = ({"type": "cube", "colour": colour} for colour in ("red", "blue"))
 
 
@@ -43,7 +43,7 @@ def test_the_missions_have_no_fault_and_equal_their_twins(name: str) -> None:
 
 def test_what_distinguishes_states_while_they_work_is_little() -> None:
     """Each key more multiplies the states of a proof."""
-    environment = Environment(load(DESK_MISSIONS / "arrange.json"), terms=ROBOT)
+    environment = Environment(load(DESK_MISSIONS / "arrange.json"), robot_facts=ROBOT)
     read = environment.rest.live.within([environment.chart.program.graph.nodes["looking"]])
     own = {each for each in read if each.partition(".")[0] in environment.world.own_keys}
     assert own == {"wanted", "reading.covers_all", "plan.aside", "moves", "failures"}
@@ -52,7 +52,7 @@ def test_what_distinguishes_states_while_they_work_is_little() -> None:
 @pytest.mark.drill
 @pytest.mark.parametrize("name", MISSIONS)
 def test_they_are_proved_whole(name: str) -> None:
-    proof = prove(load(DESK_MISSIONS / f"{name}.json"), terms=ROBOT)
+    proof = prove(load(DESK_MISSIONS / f"{name}.json"), robot_facts=ROBOT)
     assert [(claim.name, claim.sentence) for claim in proof.claims if claim.verdict != "proved"] == []
     assert proof.is_whole and proof.never == proof.sampled == () and proof.states < 100_000
 

@@ -26,8 +26,8 @@ def driving(**words: Any) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def started(states: dict[str, Any], terms: RobotFacts | None = None, **words: Any) -> tuple[Chart, int]:
-    made = Chart(mission(states, **words), terms=terms)
+def started(states: dict[str, Any], robot_facts: RobotFacts | None = None, **words: Any) -> tuple[Chart, int]:
+    made = Chart(mission(states, **words), robot_facts=robot_facts)
     step = made.start(0.0)
     return made, starts(step)[0].number
 
@@ -133,8 +133,8 @@ def test_a_result_that_comes_twice_changes_nothing_the_second_time() -> None:
 
 
 def test_actions_that_share_nothing_run_side_by_side() -> None:
-    terms = RobotFacts(uses={"go": frozenset({"base"}), "turn": frozenset({"arm"})})
-    made, number = started(driving(), terms)
+    robot_facts = RobotFacts(uses={"go": frozenset({"base"}), "turn": frozenset({"arm"})})
+    made, number = started(driving(), robot_facts)
     reports(made, "accepted", number)
     step = sent(made, "e")
     assert cancels(step) == [number] and starts(step)
@@ -206,8 +206,8 @@ def test_a_goal_with_an_unknown_part_is_not_sent() -> None:
 def test_a_composed_action_ends_by_the_profile_s_guard() -> None:
     from rai_missions.guards import Compare
 
-    terms = RobotFacts(succeeded={"go": Compare.read({"key": "there", "==": True})})
-    made, number = started(driving(), terms, blackboard=BOARD)
+    robot_facts = RobotFacts(succeeded={"go": Compare.read({"key": "there", "==": True})})
+    made, number = started(driving(), robot_facts, blackboard=BOARD)
     made.write("there", True, at=0.5)
     assert reports(made, "accepted", number, at=1.0).entered == ("done",)
 

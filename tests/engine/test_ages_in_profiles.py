@@ -21,7 +21,7 @@ def guard(written: dict[str, object]) -> Guard:
 
 
 def test_what_was_so_before_the_start_is_no_failure_until_the_state_is_old_enough() -> None:
-    terms = RobotFacts(
+    robot_facts = RobotFacts(
         succeeded={"go": guard({"key": "still", "==": False})},
         failed={"go": guard({"all": [{"elapsed_s": 1}, {"key": "still", "==": True}]})},
     )
@@ -29,7 +29,7 @@ def test_what_was_so_before_the_start_is_no_failure_until_the_state_is_old_enoug
         "drive": {"action": "go", "timeout_s": 60, "transitions": [transition("failed", "lost")]},
         "lost": {},
     }
-    made = Chart(mission(states, blackboard=BOARD), terms=terms)
+    made = Chart(mission(states, blackboard=BOARD), robot_facts=robot_facts)
     made.write("still", True, at=0.0)
     number = made.start(2.0).effects[0].number  # type: ignore[union-attr]
     assert made.send(Event("accepted", 2.5, {}, "accepted", number)).entered == ()

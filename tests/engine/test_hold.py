@@ -95,7 +95,7 @@ def test_what_runs_is_canceled_and_starts_again_with_the_time_that_it_had_left()
 
 def test_a_goal_that_the_profile_keeps_continues_and_its_result_waits() -> None:
     states = {"a": {**ACT, "control": "autonomy", "transitions": [transition("succeeded", "over")]}, "over": OVER}
-    made = Chart(mission(states), terms=RobotFacts(keep=frozenset({"go"})))
+    made = Chart(mission(states), robot_facts=RobotFacts(keep=frozenset({"go"})))
     made.start(0.0)
     made.send(Event("go", 0.0, {}, "accepted", 1))
     assert not of(taken(made, 1.0), CancelGoal)
@@ -105,7 +105,7 @@ def test_a_goal_that_the_profile_keeps_continues_and_its_result_waits() -> None:
 
 def test_the_end_of_a_kept_goal_that_waited_is_known_once_its_state_is_left() -> None:
     states = {"a": {**ACT, "control": "autonomy"}, "park": {"action": "park", "timeout_s": 60}}
-    made = Chart(mission(states, on_cancel="park"), terms=RobotFacts(keep=frozenset({"go"})))
+    made = Chart(mission(states, on_cancel="park"), robot_facts=RobotFacts(keep=frozenset({"go"})))
     made.start(0.0)
     made.send(Event("go", 0.0, {}, "accepted", 1))
     taken(made, 1.0)
@@ -243,7 +243,7 @@ def test_achieved_is_not_looked_at() -> None:
     keys = {"k": {"type": "boolean", "source": "robot"}}
     act = {**ACT, "control": "agent", "achieved": {"key": "k", "==": True}, "settle_s": 5,
            "transitions": [transition("succeeded", "b"), transition("unverified", "c")]}  # fmt: skip
-    made = Chart(mission({"a": act, "b": {}, "c": {}}, blackboard=keys), terms=RobotFacts(keep=frozenset({"go"})))
+    made = Chart(mission({"a": act, "b": {}, "c": {}}, blackboard=keys), robot_facts=RobotFacts(keep=frozenset({"go"})))
     made.write("k", False)
     given(made, "agent", 0.0)
     made.start(0.0)

@@ -21,7 +21,7 @@ KEPT = RobotFacts(keep=frozenset({"go"}))
 
 def begun(**state: Any) -> tuple[Chart, int]:
     """A mission whose one goal is accepted, and that goal's number; its profile keeps it in a pause."""
-    made = Chart(mission({"a": {"action": "go", "timeout_s": 60, **state}}), terms=KEPT)
+    made = Chart(mission({"a": {"action": "go", "timeout_s": 60, **state}}), robot_facts=KEPT)
     started = next(each for each in made.start(0.0).effects if isinstance(each, StartGoal))
     made.send(Event("go", 0.5, {}, "accepted", started.number))
     return made, started.number

@@ -23,11 +23,11 @@ from rai_missions.gate.state import (
 )
 from rai_missions.states.control import HOLDERS
 
-__all__ = ("GateMoment", "happenings", "live", "terms")
+__all__ = ("GateMoment", "happenings", "live", "rules")
 
 WHO = st.sampled_from(COMMANDERS)
 INSTANTS = st.integers(0, 40).map(lambda tenths: tenths / 10)
-terms = st.builds(
+rules = st.builds(
     GateRules,
     leases=st.dictionaries(WHO, st.sampled_from([0.1, 0.3, 0.5, 1.0])),
     safe=st.sampled_from(["autonomy", "nobody"]),

@@ -31,16 +31,16 @@ from rai_missions.gate.state import (
 )
 from rai_missions.runtime.lifecycle import Control
 from rai_missions.states.control import HOLDERS
-from tests.gate.happenings import happenings, live, terms
+from tests.gate.happenings import happenings, live, rules
 
 AGENT_ALONE = GateRules(leases={"agent": 0.5})
 
 
-def effects(terms_: GateRules, happened: Sequence[GateEvent]) -> list[GateEffect]:
-    return [effect for moment in live(terms_, happened) for effect in moment.done]
+def effects(rules: GateRules, happened: Sequence[GateEvent]) -> list[GateEffect]:
+    return [effect for moment in live(rules, happened) for effect in moment.done]
 
 
-@given(terms, happenings)
+@given(rules, happenings)
 def test_control_goes_from_one_holder_to_another_without_gap_or_overlap(
     given_: GateRules, happened: Sequence[GateEvent]
 ) -> None:
@@ -54,7 +54,7 @@ def test_control_goes_from_one_holder_to_another_without_gap_or_overlap(
             assert effect.revision == revision, "what is done under a grant carries its number"
 
 
-@given(terms, happenings)
+@given(rules, happenings)
 def test_only_the_holder_s_commands_go_through_and_none_made_before_its_grant(
     given_: GateRules, happened: Sequence[GateEvent]
 ) -> None:
@@ -67,7 +67,7 @@ def test_only_the_holder_s_commands_go_through_and_none_made_before_its_grant(
                 assert effect.command.who == holder and effect.command.made >= since
 
 
-@given(terms, happenings)
+@given(rules, happenings)
 def test_a_command_goes_through_or_is_refused_once_and_each_is_counted(
     given_: GateRules, happened: Sequence[GateEvent]
 ) -> None:
@@ -84,7 +84,7 @@ def test_a_command_goes_through_or_is_refused_once_and_each_is_counted(
         assert last["refused"] == {who: refused[who] for who in COMMANDERS}
 
 
-@given(terms, happenings)
+@given(rules, happenings)
 def test_whose_lease_has_run_out_loses_control_before_anything_else_is_done(
     given_: GateRules, happened: Sequence[GateEvent]
 ) -> None:
@@ -94,7 +94,7 @@ def test_whose_lease_has_run_out_loses_control_before_anything_else_is_done(
             assert isinstance(done[0], ControlChange) and (done[0].former, done[0].holder) == (before.holder, safe)
 
 
-@given(terms, happenings)
+@given(rules, happenings)
 def test_control_changes_by_a_granted_request_or_by_silence_alone(
     given_: GateRules, happened: Sequence[GateEvent]
 ) -> None:
@@ -107,7 +107,7 @@ def test_control_changes_by_a_granted_request_or_by_silence_alone(
             assert after.holder == what.to
 
 
-@given(terms, happenings)
+@given(rules, happenings)
 def test_requests_are_judged_as_the_lifecycle_judges_them(given_: GateRules, happened: Sequence[GateEvent]) -> None:
     for before, what, after, done in live(given_, happened):
         if isinstance(what, Request) and what.by in COMMANDERS and what.to in HOLDERS:
@@ -118,7 +118,7 @@ def test_requests_are_judged_as_the_lifecycle_judges_them(given_: GateRules, hap
             assert answer.why == control.request(what.to, "operator" if what.by == "operator" else "software")
 
 
-@given(terms, happenings)
+@given(rules, happenings)
 def test_only_the_operator_lifts_control_from_no_one_and_gives_back_what_it_took(
     given_: GateRules, happened: Sequence[GateEvent]
 ) -> None:
@@ -130,7 +130,7 @@ def test_only_the_operator_lifts_control_from_no_one_and_gives_back_what_it_took
                 assert what.by == "operator" or what.to == "nobody"
 
 
-@given(terms, happenings)
+@given(rules, happenings)
 def test_every_change_and_every_answer_is_reported_and_the_status_is_never_older_than_promised(
     given_: GateRules, happened: Sequence[GateEvent]
 ) -> None:
@@ -141,7 +141,7 @@ def test_every_change_and_every_answer_is_reported_and_the_status_is_never_older
         assert moment.after.wake_at(given_) > moment.after.at
 
 
-@given(terms, happenings)
+@given(rules, happenings)
 def test_reporting_the_time_more_often_changes_no_verdict(given_: GateRules, happened: Sequence[GateEvent]) -> None:
     ticked = [each for one in happened for each in (TimeUpdate(one.at), one, TimeUpdate(one.at))]
     plain, often = (
@@ -234,5 +234,5 @@ def test_a_topic_may_let_numbers_through_that_are_not_finite() -> None:
         {"commands": [{"topic": "/arm", "type": "a/msg/B", "finite": False}, {"topic": "/b", "type": "t"}]}
     )
     for topic, sort in (("/arm", Pass), ("/b", Refuse)):
-        _, done = step(words.terms, Gate(holder="agent"), ActuatorCommand(0.1, "agent", topic, {"x": float("nan")}))
+        _, done = step(words.rules, Gate(holder="agent"), ActuatorCommand(0.1, "agent", topic, {"x": float("nan")}))
         assert sort in map(type, done)

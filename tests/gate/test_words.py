@@ -19,7 +19,7 @@ def test_a_gate_of_which_nothing_is_reported_guards_a_twist_and_gives_the_agent_
     words = gate_words({})
     assert words == GateWords()
     assert [(each.topic, each.stop_message) for each in words.commands] == [("/cmd_vel", {})]
-    assert words.terms.leases == {"agent": 0.5} and words.terms.safe == "autonomy"
+    assert words.rules.leases == {"agent": 0.5} and words.rules.safe == "autonomy"
 
 
 def test_only_a_velocity_is_stopped_by_zeros_unless_the_file_states_it() -> None:
@@ -29,11 +29,11 @@ def test_only_a_velocity_is_stopped_by_zeros_unless_the_file_states_it() -> None
 
 
 def test_a_lease_of_zero_is_none() -> None:
-    assert gate_words({"leases": {"agent": 0.0, "operator": 2.0}}).terms.leases == {"operator": 2.0}
+    assert gate_words({"leases": {"agent": 0.0, "operator": 2.0}}).rules.leases == {"operator": 2.0}
 
 
 def test_the_shortest_lease_is_one() -> None:
-    assert gate_words({"leases": {"agent": 0.01}}).terms.leases == {"agent": 0.01}
+    assert gate_words({"leases": {"agent": 0.01}}).rules.leases == {"agent": 0.01}
 
 
 @pytest.mark.parametrize(

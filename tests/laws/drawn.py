@@ -18,7 +18,7 @@ from tests.laws.linked import link
 from tests.rigs.charts import Drawn
 from tests.strategies import SIGHTS
 
-__all__ = ("EVENTS", "GRID_S", "KEYS", "REQUESTS", "DrawnEvent", "document", "happenings", "is_far", "terms")
+__all__ = ("EVENTS", "GRID_S", "KEYS", "REQUESTS", "DrawnEvent", "document", "happenings", "is_far", "robot_facts")
 
 Json = dict[str, Any]
 GRID_S = 0.25
@@ -421,7 +421,7 @@ def document(rng: random.Random, *, alone: bool = False, wishes: bool = False, t
     return made
 
 
-def terms(rng: random.Random) -> RobotFacts:
+def robot_facts(rng: random.Random) -> RobotFacts:
     """What is known of the robot: one action is composed, some exclude each other, some continue during a pause."""
     base, other = frozenset({"base"}), frozenset({"arm"})
     uses = rng.choice([{}, {"drive": base, "turn": base, "composed": other}, {"drive": base, "turn": other}])

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from rai_missions.engine import Chart
 from rai_missions.engine.compiled import graph
 from rai_missions.mission.mission import Mission
-from tests.laws.drawn import document, happenings, is_far, terms
+from tests.laws.drawn import document, happenings, is_far, robot_facts
 from tests.rigs.charts import ScriptedRobot
 
 
@@ -31,8 +31,8 @@ def whole(chart: Chart) -> None:
 def test_each_configuration_is_that_of_its_innermost_states(seed: int, few: float) -> None:
     """Whichever way it is found: in a small mission each change is one of many states, unless that is never so."""
     rng = random.Random(seed)
-    mission, facts = Mission.model_validate(document(rng)), terms(rng)
-    chart = Chart(mission, terms=facts, named={"is_far": is_far} if "is_far" in mission.model_dump_json() else {})
+    mission, facts = Mission.model_validate(document(rng)), robot_facts(rng)
+    chart = Chart(mission, robot_facts=facts, named={"is_far": is_far} if "is_far" in mission.model_dump_json() else {})
     robot = ScriptedRobot("agent")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(graph, "FEW", few)

@@ -27,10 +27,10 @@ from rai_missions.journal.json_values import from_json, to_json
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import Robot, dump_profile
-from rai_missions.profile import terms as terms_of
+from rai_missions.profile import robot_facts as terms_of
 from rai_missions.replay.migrate import migrate
 from rai_missions.replay.resume import resumption
-from tests.laws.drawn import EVENTS, KEYS, DrawnEvent, document, happenings, is_far, terms
+from tests.laws.drawn import EVENTS, KEYS, DrawnEvent, document, happenings, is_far, robot_facts
 from tests.laws.test_included import including
 from tests.laws.test_instants import AFTER_S, PASSING
 from tests.replay.test_renamed import TWO, otherwise
@@ -55,7 +55,7 @@ def _ended_sooner(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def profile(rng: random.Random, mission: Mission, suffix: str = "") -> Robot:
     """A robot on the terms that a number draws, for a mission whose keys have a suffix."""
-    facts = terms(rng)
+    facts = robot_facts(rng)
 
     def guard(given: Any) -> Json:
         written = json.dumps(given.written())
@@ -175,7 +175,7 @@ def agree(folder: Path, seed: int, *, is_included: bool = False, wishes: bool = 
         return private_as(answers.event(*happening), private)
 
     cut = rng.randint(0, len(script))
-    whole, answers = Chart(mission, terms=facts, named=NAMED), ScriptedRobot("agent")
+    whole, answers = Chart(mission, robot_facts=facts, named=NAMED), ScriptedRobot("agent")
     path, new = folder / "run.journal", folder / "new.journal"
     with Journal.create(path, Header(dump(mission), dump_profile(robot))) as journal:
         written = Written(whole, journal)
@@ -199,7 +199,7 @@ def agree(folder: Path, seed: int, *, is_included: bool = False, wishes: bool = 
     whole.settle_holds()
     assert remembered(migrated) == remembered(whole)
     for happening in [*script[cut:], DrawnEvent(("tick",), script[-1].at + AFTER_S)]:
-        other = Chart.restore(mission, through_json(whole), terms=facts, named=NAMED)
+        other = Chart.restore(mission, through_json(whole), robot_facts=facts, named=NAMED)
         event = happened(happening)
         step = answers.follow(whole.send(event))
         is_known = event.kind == "write" or (event.kind == "event" and event.name in mission.events)

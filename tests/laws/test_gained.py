@@ -22,7 +22,7 @@ from rai_missions.engine.step import Step
 from rai_missions.journal import Header, Journal, read
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import dump_profile, terms
+from rai_missions.profile import dump_profile, robot_facts
 from rai_missions.replay.migrate import Map, migrate
 from rai_missions.replay.resume import resumption
 from tests.laws.drawn import DrawnEvent, document, happenings
@@ -136,7 +136,7 @@ def agree(folder: Path, seed: int) -> str:
     (mission, here), (now, there) = missions[:: rng.choice([1, -1])]
     robot = profile(rng, missions[1][0])
     cut, path, new = rng.randint(0, len(script)), folder / "run.journal", folder / "new.journal"
-    whole, answers = Chart(mission, terms=terms(robot), named=NAMED), ScriptedRobot("agent")
+    whole, answers = Chart(mission, robot_facts=robot_facts(robot), named=NAMED), ScriptedRobot("agent")
     with Journal.create(path, Header(dump(mission), dump_profile(robot))) as journal:
         written = Written(whole, journal)
         answers.follow(written.step(lambda: whole.start(0.0)))

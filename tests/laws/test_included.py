@@ -19,7 +19,7 @@ from rai_missions.engine.trees import CompiledTrees
 from rai_missions.errors import DefinitionError
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
-from tests.laws.drawn import EVENTS, KEYS, DrawnEvent, document, happenings, is_far, terms
+from tests.laws.drawn import EVENTS, KEYS, DrawnEvent, document, happenings, is_far, robot_facts
 from tests.rigs.charts import ScriptedRobot
 
 Json = dict[str, Any]
@@ -58,7 +58,7 @@ def seen(step: Step) -> tuple[object, ...]:
 def agree(seed: int, folder: Path) -> bool:
     """Whether the two can be compared: some missions cannot be included, and a circle ends where a step began."""
     rng = random.Random(seed)
-    inner, script, robot, outer = document(rng), happenings(rng), terms(rng), including(rng)
+    inner, script, robot, outer = document(rng), happenings(rng), robot_facts(rng), including(rng)
     inner.pop("on_cancel", None)  # that of the outermost mission counts
     for name, made in (("inner", inner), ("outer", outer)):
         (folder / f"{name}.json").write_text(json.dumps({"format": 1, **made}))
@@ -66,7 +66,7 @@ def agree(seed: int, folder: Path) -> bool:
         missions = [Mission.model_validate(inner), load(folder / "outer.json")]
     except DefinitionError:
         return False
-    charts = [Chart(each, CompiledTrees(), terms=robot, named={"is_far": is_far}) for each in missions]
+    charts = [Chart(each, CompiledTrees(), robot_facts=robot, named={"is_far": is_far}) for each in missions]
     robots = [ScriptedRobot("agent") for _ in charts]
     private = {*KEYS, *EVENTS} - outer["states"]["part"]["with"].keys()
     for happening in [None, *script, DrawnEvent(("tick",), script[-1].at + AFTER_S)]:

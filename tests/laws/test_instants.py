@@ -24,7 +24,7 @@ from rai_missions.engine.step import Move, Step
 from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
-from tests.laws.drawn import GRID_S, DrawnEvent, document, happenings, is_far, terms
+from tests.laws.drawn import GRID_S, DrawnEvent, document, happenings, is_far, robot_facts
 from tests.rigs.charts import ScriptedRobot, chart, sent, ticked, transition
 
 Json = dict[str, Any]
@@ -86,7 +86,7 @@ def play(
         events: Raw events to repeat; drawn by default.
     """
     rng = random.Random(seed)
-    made, script, robot = document(rng), happenings(rng), terms(rng)
+    made, script, robot = document(rng), happenings(rng), robot_facts(rng)
     one, answers, seen = started(made, robot, kind), ScriptedRobot("agent"), list[Any]()
     answers.follow(one.start(0.0))
     for happening in [*script, DrawnEvent(("tick",), script[-1].at + AFTER_S)]:
@@ -99,7 +99,7 @@ def play(
 
 
 def started(made: Json, robot: RobotFacts, kind: type[Recorded]) -> Recorded:
-    return kind(Mission.model_validate(made), CompiledTrees(), terms=robot, named={"is_far": is_far})
+    return kind(Mission.model_validate(made), CompiledTrees(), robot_facts=robot, named={"is_far": is_far})
 
 
 def remembered(one: Chart) -> Json:

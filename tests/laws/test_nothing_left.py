@@ -74,7 +74,7 @@ def unsettled(chart: Chart, name: str, machine: Any, state: Any) -> Iterator[str
             yield f"'{name}' has achieved what it is for"
         if (
             state.phase == "waiting"
-            and obstruction(chart.state.goals, chart.terms, machine.definition.action) != "busy"
+            and obstruction(chart.state.goals, chart.robot_facts, machine.definition.action) != "busy"
         ):
             yield f"'{name}' could start"
 

@@ -19,7 +19,7 @@ from rai_missions.engine.trees import CompiledTrees
 from rai_missions.errors import MissionError, steps_of
 from rai_missions.event import Event
 from rai_missions.prove import prove
-from tests.laws.drawn import OPTIONS, document, happenings, is_far, terms
+from tests.laws.drawn import OPTIONS, document, happenings, is_far, robot_facts
 from tests.laws.test_included import including
 from tests.rigs.authoring import PythonAuthor
 from tests.rigs.charts import ScriptedRobot
@@ -229,8 +229,11 @@ def results(mission: Mission, path: Path, seed: int) -> Iterator[str]:
         yield repr(prove(mission, CompiledTrees(), most=200, work=2000))
     except MissionError as error:
         yield str(error)
-    script, robot = happenings(rng), terms(rng)
-    chart, scripted = Chart(mission, CompiledTrees(), terms=robot, named={"is_far": is_far}), ScriptedRobot("agent")
+    script, robot = happenings(rng), robot_facts(rng)
+    chart, scripted = (
+        Chart(mission, CompiledTrees(), robot_facts=robot, named={"is_far": is_far}),
+        ScriptedRobot("agent"),
+    )
     for happening in (None, *script):
         event = Event("start", 0.0, {}, "command") if happening is None else scripted.event(*happening)
         yield repr(scripted.follow(chart.start(0.0) if happening is None else chart.send(event)))

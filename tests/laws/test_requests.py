@@ -19,7 +19,7 @@ from rai_missions.journal import Header, Journal, read
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.profile import dump_profile
-from rai_missions.profile import terms as terms_of
+from rai_missions.profile import robot_facts as terms_of
 from rai_missions.replay.migrate import migrate
 from rai_missions.replay.resume import resumption
 from tests.laws import test_cut_short as cut_short
@@ -47,7 +47,7 @@ def agree(folder: Path, seed: int) -> Counter[str]:
     robot = profile(rng, mission)
     rng.setstate(state)
     new_robot, answers = profile(rng, now, TWO), ScriptedRobot("agent")
-    whole = Chart(mission, terms=terms_of(robot), named=NAMED)
+    whole = Chart(mission, robot_facts=terms_of(robot), named=NAMED)
     path, snapshots = folder / "run.journal", dict[int, Any]()
     with Journal.create(path, Header(dump(mission), dump_profile(robot))) as journal:
         written = Written(whole, journal)
@@ -67,7 +67,7 @@ def agree(folder: Path, seed: int) -> Counter[str]:
     assert_whole(path)
     every = len(snapshots) // MOST_CUTS + 1
     for step, cut in cut_after_each(path, lambda step: step.outcome is None and step.seq % every == 0):
-        live = Chart.restore(mission, snapshots[step.seq], terms=terms_of(robot), named=NAMED)
+        live = Chart.restore(mission, snapshots[step.seq], robot_facts=terms_of(robot), named=NAMED)
         with read(cut) as record:
             assert remembered(resumption(record, mission, named=NAMED).chart) == remembered(live), (seed, step.seq)
         new, named = folder / f"new-{step.seq}.journal", {"is_far": is_far_by_new_names}

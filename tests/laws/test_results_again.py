@@ -19,7 +19,7 @@ from rai_missions.engine.trees import CompiledTrees
 from rai_missions.errors import DefinitionError
 from rai_missions.event import Event, Tick
 from rai_missions.trees import PyTrees
-from tests.laws.drawn import RESULTS, DrawnEvent, document, happenings, terms
+from tests.laws.drawn import RESULTS, DrawnEvent, document, happenings, robot_facts
 from tests.laws.test_cut_short import NAMED, done, drawn, private_as, remembered, through_json
 from tests.laws.test_instants import AFTER_S
 from tests.rigs.charts import UNKNOWN, ScriptedRobot
@@ -42,20 +42,20 @@ def again(rng: random.Random, at: float, over: list[Event]) -> Iterator[Event]:
 def agree(folder: Path, seed: int) -> Counter[str]:
     """Run a mission with and without them."""
     rng, found = random.Random(seed), Counter[str]()
-    made, script, facts = document(rng, trees=seed % 2 == 0), happenings(rng), terms(rng)
+    made, script, facts = document(rng, trees=seed % 2 == 0), happenings(rng), robot_facts(rng)
     results = [DrawnEvent(("result", rng.randint(0, 1), rng.choice(RESULTS), 1), each.at) for each in script]
     script = sorted([*script, *results[::2]], key=lambda each: each.at)
     try:
         mission, private = drawn(rng, folder, made, is_included=bool(seed % 3 == 0))
     except DefinitionError:
         return found
-    plain, noisy = (Chart(mission, KINDS[0](), terms=facts, named=NAMED) for _ in range(2))
+    plain, noisy = (Chart(mission, KINDS[0](), robot_facts=facts, named=NAMED) for _ in range(2))
     robot, over = ScriptedRobot("agent"), list[Event]()
     robot.follow(plain.start(0.0))
     noisy.start(0.0)
     for number, happening in enumerate([*script, DrawnEvent(("tick",), script[-1].at + AFTER_S)]):
         if rng.random() < 0.5:
-            noisy = Chart.restore(mission, through_json(noisy), KINDS[number % 2](), terms=facts, named=NAMED)
+            noisy = Chart.restore(mission, through_json(noisy), KINDS[number % 2](), robot_facts=facts, named=NAMED)
         for chart in (plain, noisy):
             step = chart.send(Tick(happening.at))
             robot.follow(step) if chart is plain else None

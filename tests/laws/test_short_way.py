@@ -16,7 +16,7 @@ from rai_missions.engine.step import Step
 from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
-from tests.laws.drawn import KEYS, document, happenings, is_far, terms
+from tests.laws.drawn import KEYS, document, happenings, is_far, robot_facts
 from tests.rigs.charts import ScriptedRobot
 from tests.trees.growing import FACTS
 from tests.trees.polling import lives, mission_of, polled_trees
@@ -51,9 +51,9 @@ def agree(short: Chart, long: Chart, event: Event) -> Step:
 def drawn_agree(seed: int) -> None:
     """A mission of every kind of state and guard, with what happens to it, and readings in between."""
     rng = random.Random(seed)
-    mission, facts = Mission.model_validate(document(rng)), terms(rng)
+    mission, facts = Mission.model_validate(document(rng)), robot_facts(rng)
     named = {"is_far": is_far} if "is_far" in mission.model_dump_json() else {}
-    short, long = (kind(mission, CompiledTrees(), terms=facts, named=named) for kind in (Chart, LongWay))
+    short, long = (kind(mission, CompiledTrees(), robot_facts=facts, named=named) for kind in (Chart, LongWay))
     robot = ScriptedRobot("agent")
     assert robot.follow(short.start(0.0)) == long.start(0.0)
     for happening in happenings(rng):

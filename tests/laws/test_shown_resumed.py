@@ -19,7 +19,7 @@ from rai_missions.journal import Header, Journal, read
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
 from rai_missions.plain_data import plain
-from rai_missions.profile import dump_profile, terms
+from rai_missions.profile import dump_profile, robot_facts
 from rai_missions.replay.migrate import migrate
 from rai_missions.replay.rebuild import JournalReplayer
 from rai_missions.replay.resume import resumption
@@ -51,7 +51,7 @@ def continued(seed: int, folder: Path) -> tuple[Path, Mission] | None:
     rng = random.Random(seed)
     mission, script, state = Mission.model_validate(document(rng)), happenings(rng), rng.getstate()
     robot, cut, answers = profile(rng, mission), rng.randint(0, len(script)), ScriptedRobot("agent")
-    path, chart = folder / "run.journal", Chart(mission, terms=terms(robot), named=NAMED)
+    path, chart = folder / "run.journal", Chart(mission, robot_facts=robot_facts(robot), named=NAMED)
     with Journal.create(path, Header(dump(mission), dump_profile(robot))) as journal:
         answers.follow(Written(chart, journal).step(lambda: chart.start(0.0)))
         write(chart, journal, script[:cut], answers)

@@ -17,7 +17,7 @@ from rai_missions.engine.activities.tree import TreeActivity
 from rai_missions.engine.trees import CompiledTrees
 from rai_missions.errors import DefinitionError
 from rai_missions.trees import PyTrees
-from tests.laws.drawn import DrawnEvent, document, happenings, terms
+from tests.laws.drawn import DrawnEvent, document, happenings, robot_facts
 from tests.laws.test_cut_short import NAMED, done, drawn, private_as, remembered, through_json
 from tests.laws.test_instants import AFTER_S
 from tests.rigs.charts import ScriptedRobot
@@ -30,17 +30,17 @@ KINDS = (CompiledTrees, PyTrees)
 def agree(folder: Path, seed: int) -> str:
     """Run a mission on both, and on one whose trees change hands after each step; gives whether a tree ran."""
     rng = random.Random(seed)
-    made, script, facts = document(rng, trees=True), happenings(rng), terms(rng)
+    made, script, facts = document(rng, trees=True), happenings(rng), robot_facts(rng)
     try:
         mission, private = drawn(rng, folder, made, is_included=bool(seed % 2))
     except DefinitionError:
         return "it cannot be included"
-    ours, theirs, turned = (Chart(mission, kind(), terms=facts, named=NAMED) for kind in (*KINDS, CompiledTrees))
+    ours, theirs, turned = (Chart(mission, kind(), robot_facts=facts, named=NAMED) for kind in (*KINDS, CompiledTrees))
     robot, found = ScriptedRobot("agent"), "no tree ran"
     assert robot.follow(ours.start(0.0)) == theirs.start(0.0) == turned.start(0.0)
     for number, happening in enumerate([*script, DrawnEvent(("tick",), script[-1].at + AFTER_S)]):
         found = "same" if any(isinstance(each, TreeActivity) for each in ours.state.running.values()) else found
-        turned = Chart.restore(mission, through_json(turned), KINDS[number % 2](), terms=facts, named=NAMED)
+        turned = Chart.restore(mission, through_json(turned), KINDS[number % 2](), robot_facts=facts, named=NAMED)
         event = private_as(robot.event(*happening), private)
         steps = ours.send(event), theirs.send(event), turned.send(event)
         robot.follow(steps[0])

@@ -77,8 +77,8 @@ OTHERS: list[tuple[str, Door]] = [
     ("a Runner", Runner),
     ("named", lambda given: check(MISSION, named=given)),
     ("write", lambda given: Chart(MISSION).write(given, 1)),
-    ("terms", lambda given: prove(MISSION, terms=given)),
-    ("terms", lambda given: Chart(MISSION, terms=given)),
+    ("robot_facts", lambda given: prove(MISSION, robot_facts=given)),
+    ("robot_facts", lambda given: Chart(MISSION, robot_facts=given)),
     ("ticker", lambda given: Chart(MISSION, given)),
     ("an answer", lambda given: Runner(MISSION).answer(1, given)),
 ]

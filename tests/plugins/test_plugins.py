@@ -39,7 +39,7 @@ from rai_missions.mission.renaming import Names, renamed
 from rai_missions.model import Path as Path_
 from rai_missions.model.validation_errors import validated
 from rai_missions.profile import load_profile, parse_profile
-from rai_missions.profile import terms as facts_of
+from rai_missions.profile import robot_facts as facts_of
 from rai_missions.prove import prove
 from rai_missions.replay.replay import replay
 from rai_missions.states import State
@@ -141,7 +141,7 @@ def test_packages_are_found_where_the_working_directory_was_removed(
 
 def test_it_is_proved_with_the_values_that_the_guard_distinguishes_and_the_replies_that_are_awaited() -> None:
     robot = load_profile(ROBOT)
-    proof = prove(load(MISSION), terms=facts_of(robot))
+    proof = prove(load(MISSION), robot_facts=facts_of(robot))
     assert [claim.name for claim in proof.claims if claim.verdict != "proved"] == []
     assert (proof.is_whole, proof.sampled, proof.never) == (True, (), ())
 

@@ -13,7 +13,7 @@ from rai_missions.errors import ConnectorError, DefinitionError, UsageError
 from rai_missions.guards import Compare
 from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import Robot, dump_profile, load_profile, missing, missing_world, parse_profile, terms
+from rai_missions.profile import Robot, dump_profile, load_profile, missing, missing_world, parse_profile, robot_facts
 from rai_missions.states import Final
 from tests.profile.profiles import MISSION, PROFILE, altered, mission, robot
 
@@ -153,7 +153,7 @@ def test_every_fault_is_reported_at_once() -> None:
 
 
 def test_the_engine_learns_what_conflicts_what_is_kept_and_what_ends_an_action() -> None:
-    known = terms(robot({"actions/horn": {"action": "/horn", "type": "x/action/Horn", "repeat": True}}))
+    known = robot_facts(robot({"actions/horn": {"action": "/horn", "type": "x/action/Horn", "repeat": True}}))
     assert known.uses == {"drive_alleys": {"base"}, "go_home": {"base"}, "horn": None}
     assert (known.keep, known.repeat) == (frozenset({"go_home"}), frozenset({"horn"}))
     assert known.succeeded == {
@@ -166,7 +166,7 @@ def test_the_engine_learns_what_conflicts_what_is_kept_and_what_ends_an_action()
 
 
 def test_actions_that_use_nothing_in_common_do_not_conflict() -> None:
-    known = terms(robot({"actions/arm": {"action": "/arm", "uses": ["arm"]}}))
+    known = robot_facts(robot({"actions/arm": {"action": "/arm", "uses": ["arm"]}}))
     assert not known.conflict("arm", "go_home")
 
 

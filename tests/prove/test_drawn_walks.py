@@ -25,7 +25,7 @@ from rai_missions.event import Event, Tick
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import Proof, prove
 from rai_missions.trees import PyTrees
-from tests.laws.drawn import KEYS, document, happenings, terms
+from tests.laws.drawn import KEYS, document, happenings, robot_facts
 from tests.laws.test_cut_short import NAMED, drawn, private_as, through_json
 from tests.rigs.charts import ScriptedRobot
 from tests.rigs.turns import sooner_ended
@@ -73,12 +73,12 @@ def walked(mission: Mission, private: frozenset[str], facts: RobotFacts, rng: ra
     """The steps of a run, then its chart after an e-stop; only the robot writes what it senses."""
     kinds, robot = (CompiledTrees, PyTrees), ScriptedRobot("agent")
     script = [each for each in happenings(rng) if each.drawn[0] != "write" or each.drawn[1] in SENSED]
-    chart = Chart(mission, rng.choice(kinds)(), terms=facts, named=NAMED)
+    chart = Chart(mission, rng.choice(kinds)(), robot_facts=facts, named=NAMED)
     yield robot.follow(chart.start(0.0))
     for happening in script:
         if rng.random() < 0.3:
             saved = through_json(chart)
-            chart = Chart.restore(mission, saved, rng.choice(kinds)(), terms=facts, named=NAMED)
+            chart = Chart.restore(mission, saved, rng.choice(kinds)(), robot_facts=facts, named=NAMED)
         if chart.outcome is None:
             yield robot.follow(chart.send(private_as(robot.event(*happening), private)))
     for _ in range(5):
@@ -110,12 +110,12 @@ def hold(folder: Path, seeds: Iterable[int]) -> Counter[str]:
     count = Counter[str]()
     for seed in seeds:
         rng = random.Random(seed)
-        made, facts = document(rng, trees=seed % 3 == 0, alone=seed % 5 == 0, wishes=seed % 7 == 0), terms(rng)
+        made, facts = document(rng, trees=seed % 3 == 0, alone=seed % 5 == 0, wishes=seed % 7 == 0), robot_facts(rng)
         try:
             mission, private = drawn(rng, folder, made, is_included=bool(seed % 2))
         except DefinitionError:
             continue
-        proof = prove(mission, CompiledTrees(), terms=facts, most=STATES, work=WORK)
+        proof = prove(mission, CompiledTrees(), robot_facts=facts, most=STATES, work=WORK)
         never = impossible(mission, proof)
         for number in range(WALKS):
             found = set(seen(never, walked(mission, private, facts, random.Random(1000 * seed + number))))

@@ -279,14 +279,16 @@ def test_what_was_begun_comes_in_one_order_whichever_began_first(what: str) -> N
         },
         30 * MOST,
         work=math.inf,
-        terms=apart,
+        robot_facts=apart,
     )
 
 
-def hold_against_patient(document: Json, most: int, work: float = WORK, terms: RobotFacts | None = None) -> None:
+def hold_against_patient(document: Json, most: int, work: float = WORK, robot_facts: RobotFacts | None = None) -> None:
     """Whatever the mission's own keys are: each step is made, none is taken from a state that differs in them alone."""
     mission = Mission.model_validate(document)
-    quick, patient = (RecordingSpace(Environment(mission, terms=terms), most, work, by_parts=False) for _ in range(2))
+    quick, patient = (
+        RecordingSpace(Environment(mission, robot_facts=robot_facts), most, work, by_parts=False) for _ in range(2)
+    )
     patient.environment.world.own_fade = True  # then nothing is remembered of other states
     for space in (quick, patient):
         space.explore()

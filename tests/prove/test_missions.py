@@ -13,7 +13,7 @@ import pytest
 from rai_missions.journal import Header
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import load_profile, terms
+from rai_missions.profile import load_profile, robot_facts
 from rai_missions.prove import Proof, prove, record
 from rai_missions.prove.environment.environment import Environment
 from rai_missions.prove.exploration.explorer import Space
@@ -39,7 +39,7 @@ STATES = {"tractor": 2049, "rosbot": 15552}
 def test_the_shipped_missions_are_proved(name: str) -> None:
     mission = document(f"missions/{name}/mission.json")
     robot = load_profile(ROOT / "missions" / name / "robot.sim.json")
-    proof = prove(mission, terms=terms(robot))
+    proof = prove(mission, robot_facts=robot_facts(robot))
     assert [(claim.name, claim.sentence) for claim in proof.claims if claim.verdict != "proved"] == []
     assert proof.never == () and proof.sampled == ()
     assert proof.states <= 2 * STATES[name], "holds cost no more than as many states again"

@@ -17,7 +17,7 @@ import pytest
 
 from rai_missions.engine.decision import Question
 from rai_missions.engine.trees import CompiledTrees
-from rai_missions.profile import terms
+from rai_missions.profile import robot_facts
 from rai_missions.prove import prove
 from tests.laws import test_side_by_side
 from tests.laws.test_side_by_side import Land, Thinker
@@ -59,7 +59,7 @@ def hold(folder: Path, seeds: Iterable[int]) -> Counter[str]:
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(test_side_by_side, "Thinker", HostileThinker)
             (life,) = Land(seed, ("one",), folder).lives
-        proof = prove(life.mission, CompiledTrees(), terms=terms(life.robot), most=STATES, work=WORK)
+        proof = prove(life.mission, CompiledTrees(), robot_facts=robot_facts(life.robot), most=STATES, work=WORK)
         never = impossible(life.mission, proof)
         found = set(seen(never, iter(life.steps)))
         view = life.runner.view

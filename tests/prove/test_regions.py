@@ -32,7 +32,7 @@ WORK = 100
 
 
 def explored(mission: Mission, facts: RobotFacts, *, by_parts: bool) -> Space:
-    space = Space(Environment(mission, terms=facts), Limits(MOST, work=WORK * MOST), by_parts=by_parts)
+    space = Space(Environment(mission, robot_facts=facts), Limits(MOST, work=WORK * MOST), by_parts=by_parts)
     space.explore()
     return space
 
@@ -89,7 +89,7 @@ def hold_one_by_one(document: Json) -> tuple[int, int] | None:
     """Of regions explored one at a time, how many states are covered and how many explored; None: side by side."""
     mission = Mission.model_validate(document)
     full = explored(mission, FACTS, by_parts=False)
-    one = Space(Environment(mission, terms=FACTS), Limits(MOST), one_by_one=True)
+    one = Space(Environment(mission, robot_facts=FACTS), Limits(MOST), one_by_one=True)
     one.explore()
     if one.is_entangled or not full.is_whole:
         return None

@@ -312,7 +312,7 @@ test_what_no_guard_looks_at_has_one_value_however_often_it_is_tried = drill(
 def test_goals_are_judged_by_what_their_scene_is_compared_by() -> None:
     values = Values(
         Mission.model_validate(moving(blackboard={**KEYS, "objects": OBJECTS})),
-        Environment(Mission.model_validate(moving())).chart.terms,
+        Environment(Mission.model_validate(moving())).chart.robot_facts,
     ).of("objects")
     seen = [dict(each, looks=looks, stamp_s=1.0) for each in values if each is not None for looks in (0, 7)]
     by_scene: dict[str, set[Any]] = {}

@@ -16,7 +16,7 @@ class GoalSpace(Space):
 
     def __init__(self, keep: frozenset[str]) -> None:
         made = mission({"a": {"action": "go", "timeout_s": 60}})
-        super().__init__(Environment(made, terms=RobotFacts(keep=keep)), 500)
+        super().__init__(Environment(made, robot_facts=RobotFacts(keep=keep)), 500)
         self.found: set[tuple[str, str, tuple[str, ...]]] = set()
 
     def learn(self, source: int, way: Edge, *, is_paused: bool) -> None:

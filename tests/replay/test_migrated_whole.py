@@ -14,7 +14,7 @@ from rai_missions.event import Event
 from rai_missions.journal import Header, Journal, read
 from rai_missions.mission.files import dump
 from rai_missions.mission.mission import Mission
-from rai_missions.profile import Robot, dump_profile, terms
+from rai_missions.profile import Robot, dump_profile, robot_facts
 from rai_missions.replay.migrate import Map, migrate
 from rai_missions.replay.resume import resumption
 
@@ -43,7 +43,7 @@ def hauler(key: str, **good: Json) -> Robot:
 def begun(folder: Path, mission: Mission, robot: Robot) -> Path:
     path = folder / "run.journal"
     with Journal.create(path, Header(dump(mission), dump_profile(robot))) as journal:
-        journal.write(Chart(mission, terms=terms(robot)).start(0.0), since=0.0)
+        journal.write(Chart(mission, robot_facts=robot_facts(robot)).start(0.0), since=0.0)
     return path
 
 

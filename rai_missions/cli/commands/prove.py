@@ -58,7 +58,7 @@ def prove(
     loaded = load_whole(mission, python=not no_python)
     profile = None
     if robot:
-        from rai_missions.profile import load_whole_profile, missing, terms  # takes longer than a small proof
+        from rai_missions.profile import load_whole_profile, missing, robot_facts  # takes longer than a small proof
 
         profile = load_whole_profile(robot, loaded)
     named = load_guards(guards, python=not no_python)
@@ -68,11 +68,11 @@ def prove(
     if faults:
         raise DefinitionError(faults, mission)
     limits = limits_of(states, max_seconds, max_memory)
-    of_robot = terms(profile) if profile is not None else None
+    facts = robot_facts(profile) if profile is not None else None
     pace = WorkPace()
     with LongWork(lambda: how_far(pace)):
         proof = explore(
-            loaded, terms=of_robot, progress=lambda found, done: pace.set(done, found), continues=all_, **limits
+            loaded, robot_facts=facts, progress=lambda found, done: pace.set(done, found), continues=all_, **limits
         )
     journals = write_journals(proof, loaded, profile, output)
     if json:

@@ -34,7 +34,7 @@ class Program:
         content: How effects, the entry of a list and of a final are compiled.
         ticker: Who ticks trees, if not as compiled here.
         has_trees: Whether a state of it runs a tree.
-        facts: What is known of the robot.
+        robot_facts: What is known of the robot.
         named: The predicates that `{"named": …}` guards name.
         surroundings: What is left open, and who watches.
 
@@ -43,18 +43,8 @@ class Program:
     """
 
     __slots__ = (
-        "declared",
-        "facts",
-        "graph",
-        "has_trees",
-        "held_in_invariants",
-        "invariants",
-        "keys",
-        "machines",
-        "mission",
-        "named",
-        "surroundings",
-        "ticker",
+        "declared", "graph", "has_trees", "held_in_invariants", "invariants", "keys", "machines", "mission", "named",
+        "robot_facts", "surroundings", "ticker",
     )  # fmt: skip
 
     def __init__(
@@ -64,13 +54,13 @@ class Program:
         ticker: Trees | None = None,
         *,
         has_trees: bool,
-        facts: RobotFacts | None = None,
+        robot_facts: RobotFacts | None = None,
         named: Named | None = None,
         surroundings: Surroundings | None = None,
     ) -> None:
         self.mission, self.keys = mission, mission.blackboard
         self.ticker: Trees = ticker if ticker is not None else CompiledTrees()
-        self.facts = facts if facts is not None else RobotFacts()
+        self.robot_facts = robot_facts if robot_facts is not None else RobotFacts()
         self.surroundings = surroundings if surroundings is not None else Surroundings()
         self.has_trees = has_trees
         self.graph = Graph(mission, content)
@@ -90,7 +80,7 @@ class Program:
         """The machine of a state's activity; None for a state that runs nothing."""
         if node.name not in self.machines:
             assert node.state is not None
-            bench = Bench(node.name, node.name, node.place, self.keys, self.facts, self.ticker)
+            bench = Bench(node.name, node.name, node.place, self.keys, self.robot_facts, self.ticker)
             made = machine_of(node.state, bench)
             self.machines[node.name] = self.surroundings.machine(node, made) if made is not None else None
         return self.machines[node.name]

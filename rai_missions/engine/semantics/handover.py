@@ -99,7 +99,7 @@ def _freeze(program: Program, state: RunState, controls: frozenset[str]) -> None
 
 def is_kept(program: Program, node: CompiledState) -> bool:
     """Whether a profile lists under `keep` what a state does: a pause and a handover leave it as it is."""
-    return getattr(node.state, "action", None) in program.facts.keep
+    return getattr(node.state, "action", None) in program.robot_facts.keep
 
 
 def lay_down(program: Program, state: RunState, node: CompiledState, *, keeps: bool = True) -> bool:

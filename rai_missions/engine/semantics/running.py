@@ -53,7 +53,7 @@ class Host:
         state.draft.goal_ended = state.goals.pop(number, None) is not None or state.draft.goal_ended
 
     def obstruction(self, action: str) -> goal_ledger.Obstruction:
-        return goal_ledger.obstruction(self.view.goals, self._program.facts, action)
+        return goal_ledger.obstruction(self.view.goals, self._program.robot_facts, action)
 
     def write_key(self, key: str, value: Any, by: str = "") -> bool:
         return write_key(self._program, self.view, key, value, by)

@@ -40,7 +40,7 @@ def compiled(
     mission: Mission,
     ticker: Trees | None = None,
     *,
-    facts: RobotFacts | None = None,
+    robot_facts: RobotFacts | None = None,
     named: Named | None = None,
     surroundings: Surroundings | None = None,
 ) -> Program:
@@ -59,7 +59,9 @@ def compiled(
         lambda node, history: lambda program, state: enter_each(program, state, node, history),
         reaching,
     )
-    return Program(mission, content, ticker, has_trees=has_trees, facts=facts, named=named, surroundings=surroundings)
+    return Program(
+        mission, content, ticker, has_trees=has_trees, robot_facts=robot_facts, named=named, surroundings=surroundings
+    )
 
 
 def fresh(program: Program) -> RunState:

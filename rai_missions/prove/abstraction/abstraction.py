@@ -58,7 +58,7 @@ class Abstraction:
 
     def __init__(self, chart: Chart, world: OpenWorld, control: ControlEnvironment, instruments: Instruments) -> None:
         self._chart, self._world, self._control, self._instruments = chart, world, control, instruments
-        mission, facts, values = chart.mission, chart.terms, world.values
+        mission, facts, values = chart.mission, chart.robot_facts, world.values
         idle = frozenset(mission.blackboard) - values.learned.compared - world.fleeting
         self._reopened = idle & world.open_keys
         """Keys that any value does for, and that no guard looks at."""
@@ -254,7 +254,7 @@ class Abstraction:
         return found
 
     def _rivals_among(self, starts: frozenset[str]) -> Rivals:
-        conflict, known = self._chart.terms.conflict, dict[str, tuple[str, ...]]()
+        conflict, known = self._chart.robot_facts.conflict, dict[str, tuple[str, ...]]()
 
         def rivals(goal: Goal) -> tuple[Any, ...] | None:
             if goal.action not in known:

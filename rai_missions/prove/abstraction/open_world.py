@@ -57,7 +57,7 @@ class OpenWorld:
         mission, state = chart.mission, chart.state
         self._chart, self.choices = chart, choices
         self.predicates = frozenset(chart.program.named)
-        self.values = Values(mission, chart.terms)
+        self.values = Values(mission, chart.robot_facts)
         keys = mission.blackboard
         self.fleeting = frozenset(name for name, key in keys.items() if key.source == "robot")
         """The keys that the robot reports."""
@@ -121,7 +121,7 @@ class OpenWorld:
 
         Either of two such values leads to the same steps as long as it lasts, and any other can follow on both.
         """
-        mission, state, facts = self._chart.mission, self._chart.state, self._chart.program.facts
+        mission, state, facts = self._chart.mission, self._chart.state, self._chart.program.robot_facts
         scalars = [key for key in self.fleeting if mission.blackboard[key].type in SCALARS]
         found = {}
         for key, asked in questions((mission, facts.succeeded, facts.failed), scalars).items():
@@ -194,7 +194,7 @@ class OpenWorld:
         program.invariants = tuple((name, each) for name, each in program.invariants if name not in self.assumed)
         kept = {name: program.mission.invariants[name] for name, _ in program.invariants}
         mission = program.mission.model_copy(update={"invariants": kept})
-        looked_at = Comparisons(mission, program.facts).compared
+        looked_at = Comparisons(mission, program.robot_facts).compared
         self._doubted = [each for each in self.assumed.values() if self._can_be_broken(each, looked_at)]
 
     def _can_be_broken(self, condition: CompiledGuard, looked_at: frozenset[str]) -> bool:

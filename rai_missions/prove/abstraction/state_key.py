@@ -82,7 +82,9 @@ class StateCodec:
         self._levels = self._thresholds()
         classes = {} if world.is_open else world.values.classes(chart.mission)
         counters = classes.keys() & world.values.counters() if not world.own_fade else frozenset[str]()
-        self.stores = Stores(chart.terms, classes, counters, rest.saturating, rest.idle if not world.is_open else ())
+        self.stores = Stores(
+            chart.robot_facts, classes, counters, rest.saturating, rest.idle if not world.is_open else ()
+        )
         world.board.count(counters)
         self._by_config: dict[tuple[int, ...], Ahead] = {}
         self._by_reads: dict[tuple[Later, frozenset[str]], Ahead] = {}
@@ -125,7 +127,7 @@ class StateCodec:
 
     def _thresholds(self) -> dict[str, tuple[float, ...]]:
         """State → the ages that guards ask for, ascending; empty for the mission itself."""
-        mission, facts = self._chart.mission, self._chart.terms
+        mission, facts = self._chart.mission, self._chart.robot_facts
         found = {"": _ages([mission.transitions, mission.invariants])}
         for _, name, state in mission.walk():
             own = own_parts(state)

@@ -164,14 +164,14 @@ class LiveReads:
     Args:
         mission: The mission.
         graph: It compiled.
-        terms: The guards of a robot's composed actions are read at any time.
+        robot_facts: The guards of a robot's composed actions are read at any time.
         reads_all: The user's predicates may read every key at any time.
     """
 
-    def __init__(self, mission: Mission, graph: Graph, terms: RobotFacts, *, reads_all: bool = False) -> None:
+    def __init__(self, mission: Mission, graph: Graph, robot_facts: RobotFacts, *, reads_all: bool = False) -> None:
         self._blackboard, self._keys = mission.blackboard, frozenset(mission.blackboard)
         self._set = {effect.set for effect in writes_in(mission)}
-        given = [mission.invariants, terms.succeeded, terms.failed]
+        given = [mission.invariants, robot_facts.succeeded, robot_facts.failed]
         self._always = self._keys if reads_all else frozenset(self._mentions(given))
         self._graph = graph
         self._entered: dict[CompiledState, frozenset[CompiledState]] = {}

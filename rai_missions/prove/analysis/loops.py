@@ -66,9 +66,9 @@ class Level(NamedTuple):
     """The same for two states that differ in this number alone."""
 
 
-def long_loops(mission: Mission, terms: RobotFacts) -> tuple[Loop, ...]:
+def long_loops(mission: Mission, robot_facts: RobotFacts) -> tuple[Loop, ...]:
     """The loops of which a few rounds may represent all."""
-    read = _read(mission, terms)
+    read = _read(mission, robot_facts)
     return tuple(loop for _, name, state in mission.walk() for loop in _in(name, state, read))
 
 
@@ -105,9 +105,9 @@ def _rounds(node: Retry | Repeat) -> int:
     return node.num_failures if isinstance(node, Retry) else node.num_success
 
 
-def _read(mission: Mission, terms: RobotFacts) -> frozenset[str]:
+def _read(mission: Mission, robot_facts: RobotFacts) -> frozenset[str]:
     """The keys at which anything looks: guards, goals, requests, what is copied or gone over."""
-    learned = Comparisons(mission, terms)
+    learned = Comparisons(mission, robot_facts)
     sent = [*(part.goal for part in parts(mission, ActionLeaf)), *(part.request for part in parts(mission, CallLeaf))]
     copied = [effect.source for effect in writes_in(mission) if effect.source is not None]
     paths = [*(path for template in sent for path in references(template)), *copied]

@@ -82,18 +82,23 @@ class Environment:
     Args:
         mission: One that `check` finds no fault in.
         ticker: Who ticks trees.
-        terms: What is known of the robot.
+        robot_facts: What is known of the robot.
         is_calm: The operator leaves the mission alone.
     """
 
     def __init__(
-        self, mission: Mission, ticker: Trees | None = None, *, terms: RobotFacts | None = None, is_calm: bool = False
+        self,
+        mission: Mission,
+        ticker: Trees | None = None,
+        *,
+        robot_facts: RobotFacts | None = None,
+        is_calm: bool = False,
     ) -> None:
         self.choices, self.instruments = Choices(), Instruments(is_foreign=bool(mission.uses))
         self.chart = chart = Chart(
             mission,
             ticker,
-            terms=terms,
+            robot_facts=robot_facts,
             named=predicates_in(mission, self.choices),
             surroundings=OpenSurroundings(self),
         )

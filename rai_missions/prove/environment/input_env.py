@@ -142,7 +142,7 @@ class InputEnvironment:
         if goal.phase == "sent":
             event = Event("accepted", NOW, {}, "accepted", number)
             yield Stimulus(f"{named} is accepted", "robot", self.receive(event), number)
-        composed = goal.action in self._chart.terms.succeeded
+        composed = goal.action in self._chart.robot_facts.succeeded
         for end in GOAL_ENDS:
             if composed and (end == "succeeded" or (goal.phase == "running" and end in ("failed", "rejected"))):
                 continue  # its guards decide it, and no server

@@ -106,7 +106,7 @@ class Regions:
 
     def _tokens(self) -> Mapping[str, int]:
         """Token → its bit; of states those that guards name."""
-        mission, facts = self._chart.mission, self._chart.terms
+        mission, facts = self._chart.mission, self._chart.robot_facts
         guards = guards_in((mission, facts.succeeded, facts.failed))
         states = {presence(name) for guard in guards for name in guard.states()}
         tokens = (TIME, GOALS, ANY_KEY, *sorted(mission.blackboard), *sorted(states))
@@ -155,7 +155,7 @@ class Regions:
             leads.join(
                 other
                 for other, others in enumerate(actions)
-                if other == at or any(self._chart.terms.conflict(one, two) for one in some for two in others)
+                if other == at or any(self._chart.robot_facts.conflict(one, two) for one in some for two in others)
             )
         return leads.groups()
 
@@ -204,7 +204,7 @@ class Regions:
     def _text(self, top: CompiledState) -> Iterator[str]:
         """Every word of a region, with what a profile adds to its actions."""
         words = set(_names(top.state))
-        facts = self._chart.terms
+        facts = self._chart.robot_facts
         for action in _actions(top):
             words |= set(_names([facts.succeeded.get(action), facts.failed.get(action)]))
         yield from words

@@ -132,15 +132,15 @@ class TraceReplayer:
 
     Args:
         mission: The mission.
-        terms: What is known of the robot.
+        robot_facts: What is known of the robot.
         journal: Where its steps are written.
     """
 
-    def __init__(self, mission: Mission, terms: RobotFacts | None, journal: Journal) -> None:
+    def __init__(self, mission: Mission, robot_facts: RobotFacts | None, journal: Journal) -> None:
         self._journal = journal
         self._predicates: Mapping[str, Truth] = {}
         names = {name for each in guards_in(mission) for name in each.predicates()}
-        self._chart = Chart(mission, terms=terms, named={name: self._predicate(name) for name in names})
+        self._chart = Chart(mission, robot_facts=robot_facts, named={name: self._predicate(name) for name in names})
         self._keys = mission.blackboard
         self._facts: dict[str, Any] = {}
         self._again: dict[str, float] = {}

@@ -23,7 +23,7 @@ from rai_missions.journal.sqlite import log_of
 from rai_missions.mission.files import journal_text
 from rai_missions.mission.mission import Mission
 from rai_missions.mission.renaming import renamed
-from rai_missions.profile import ActionEntry, Robot, dump_profile, missing, terms
+from rai_missions.profile import ActionEntry, Robot, dump_profile, missing, robot_facts
 from rai_missions.replay.migrate.activities import carry
 from rai_missions.replay.migrate.blackboard import board
 from rai_missions.replay.migrate.configuration import reached_states
@@ -84,7 +84,7 @@ def migrate(
             raise UsageError(f"the run of {journal} {state}: there is nothing to continue; start a new one")
         profile = robot or robot_of(record)
         naming = Naming(was, mission, map_)
-        chart = Chart(mission, terms=terms(profile) if profile is not None else None, named=named)
+        chart = Chart(mission, robot_facts=robot_facts(profile) if profile is not None else None, named=named)
         data, at = _data(naming, resumed, chart, source), resumed.at
         if profile is not None and (faults := [*missing(mission, profile), *_other(record, profile, resumed, naming)]):
             raise DefinitionError(faults, profile.name)

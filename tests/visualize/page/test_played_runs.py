@@ -31,7 +31,7 @@ from visualize.page import review
 def written(mission: Mission, events: Any, path: Path, rng: random.Random) -> dict[int, tuple[Any, Any]]:
     """Write a run down; step → what was active and known after it, a value with its stamp."""
     robot, answers, truth = profile(rng, mission), ScriptedRobot("agent"), {}
-    chart = Chart(mission, terms=terms_of(robot), named=NAMED)
+    chart = Chart(mission, robot_facts=terms_of(robot), named=NAMED)
     with Journal.create(path, Header(dump(mission), dump_profile(robot))) as journal:
         scribe, happened = Written(chart, journal), iter([None, *events])
         while chart.outcome is None and (happening := next(happened, "over")) != "over":
