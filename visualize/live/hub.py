@@ -87,6 +87,7 @@ class Hub:
         self._news, self._opening = asyncio.Event(), asyncio.Lock()
         self._pump: asyncio.Task[None] | None = None
         self._board_at = self._sent_at = 0.0
+        self._is_closed = False
         self.scene = RunScene()
 
     @property
@@ -106,9 +107,11 @@ class Hub:
             is_operator: It comes with the operator's token: where there is no room, another makes room.
 
         Raises:
-            UsageError: There are too many already.
+            UsageError: There are too many already, or the server ends.
         """
         async with self._opening:
+            if self._is_closed:
+                raise UsageError("this page is closing; the run may continue")
             if len(self._viewers) >= MOST_VIEWERS and not (is_operator and self._make_room()):
                 raise UsageError(f"{MOST_VIEWERS} viewers watch already; close one")
             if self._pump is None or self._pump.done():
@@ -136,7 +139,8 @@ class Hub:
             self._news.set()
 
     async def close(self) -> None:
-        """The server ends: what is left is sent, and every stream with it."""
+        """The server ends: what is left is sent, and every stream with it; who comes later is turned away."""
+        self._is_closed = True
         if self._pump is not None and not self._pump.done():
             await self._pass_on(board=True)
             self._pump.cancel()

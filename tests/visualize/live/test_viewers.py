@@ -163,6 +163,20 @@ def test_viewers_that_come_while_the_run_is_read_are_counted(run: Run) -> None:
     assert [str(each) for each in refused] == [f"{hub.MOST_VIEWERS} viewers watch already; close one"] * 3
 
 
+def test_a_viewer_who_comes_while_the_page_closes_is_turned_away(run: Run) -> None:
+    """A server that ends waits for each stream, and a new one has no end."""
+
+    async def come_late() -> str:
+        closing = hub.Hub(ReadFeed(lambda: run))
+        await closing.join()
+        await closing.close()
+        with pytest.raises(UsageError) as refused:
+            await closing.join(is_operator=True)
+        return str(refused.value)
+
+    assert asyncio.run(come_late()) == "this page is closing; the run may continue"
+
+
 def test_viewers_make_room_for_the_operator_and_are_counted_apart(run: Run) -> None:
     others = [Viewer(run.page, run.page.viewer_token) for _ in range(hub.MOST_VIEWERS)]
     until(lambda: run.page.viewers == hub.MOST_VIEWERS, "all are in")
