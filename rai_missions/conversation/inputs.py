@@ -94,6 +94,11 @@ class Utterance(NamedTuple):
         return bool(self.readings)
 
     @property
+    def asks(self) -> bool:
+        """Whether it is written as a question; what is spoken has a mark only where no phrase was read."""
+        return self.text.rstrip().endswith("?")
+
+    @property
     def without_secrets(self) -> Utterance:
         """A copy without the secrets of this process, and without what no grammar reads."""
         readings = tuple(cut(each, LONGEST_READ) for each in self.readings)

@@ -373,6 +373,17 @@ def test_a_spoken_yes_counts_if_it_began_after_the_reading_back_had_ended(
         assert given_out("yes", 25.1)[0] == ["cancel"], "it was read back again"
 
 
+@pytest.mark.parametrize("asked", ["yes?", "right?", "sure ?", "ok?", "Yes please?"])
+def test_a_yes_that_may_be_a_question_itself_has_the_order_read_back_again(asked: str) -> None:
+    dialogue = Dialogue(view=RUNNING)
+    ordered = []
+    for at, text in enumerate(["cancel the mission", asked, "yes"], start=1):
+        outputs = dialogue.on_utterance(Utterance(text, "operator", "terminal", at=float(at)), RUNNING)
+        ordered.append([each.name for each in outputs if isinstance(each, Order)])
+        assert ordered[-1] or any("Is that right?" in each.text for each in outputs if isinstance(each, Speech))
+    assert ordered == [[], [], ["cancel"]]
+
+
 @given(
     st.sampled_from(["rover", "R2D", "Spot-", "arm_", "turtlebot", "Robo "]),
     st.integers(0, 30).map(str),

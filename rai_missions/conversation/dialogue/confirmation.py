@@ -56,9 +56,9 @@ class Confirmable(NamedTuple):
     """What was offered with it, in words."""
 
     def is_unclear(self, yes: Utterance) -> bool:
-        """Whether a yes came too early, or may be meant for something else, and has the order read back again."""
+        """Whether a yes came too early, may be meant for something else, or asks; it has the order read back again."""
         is_crossing = self.is_crossing and yes.speaker != self.understood_by
-        return yes.at < self.read_at or yes.speaker in self.distracted or is_crossing
+        return yes.at < self.read_at or yes.speaker in self.distracted or is_crossing or yes.asks
 
 
 class OrderConfirmation:

@@ -225,7 +225,7 @@ class SentenceSide:
 
     def _may_be_no_answer(self, utterance: Utterance) -> bool:
         """Whether an answer may be a question itself, or meant for a question that closed this moment."""
-        return utterance.text.rstrip().endswith("?") or self._answers_closed(utterance, CROSSING_S)
+        return utterance.asks or self._answers_closed(utterance, CROSSING_S)
 
     def _answers_closed(self, utterance: Utterance, within_s: float) -> bool:
         """Whether it would have answered a question that closed less than so many seconds ago."""
