@@ -254,6 +254,12 @@ def test_characters_that_are_not_seen_are_dropped() -> None:
     assert text(read("a.txt", f"w\u034fai\u3164t\ufe0f{selectors}\u115f here\uffa0".encode())) == "wait here"
 
 
+def test_a_title_is_that_of_the_page_and_of_no_drawing_in_it() -> None:
+    drawing = "<p>seen</p><svg><title>HIDDEN</title></svg><div hidden><title>HIDDEN</title></div>"
+    assert read("a.html", f"<html><head><title>Care</title></head>{drawing}".encode()).title == "Care"
+    assert read("a.html", drawing.encode()).title == ""
+
+
 @pytest.mark.parametrize("shown", ["<dialog open>here</dialog>", "<p style='opacity:0.5;font-size:0.8em'>here</p>"])
 def test_what_a_page_shows_is_text(shown: str) -> None:
     assert text(read("a.html", f"<p>seen</p>{shown}".encode())) == "seen\n\nhere"

@@ -139,7 +139,7 @@ class _Page(HTMLParser):
             del self._open[place - 1 :]
 
     def handle_data(self, data: str) -> None:
-        if self._open and self._open[-1][0] == "title" and len(self.title) < DEEPEST:
+        if [tag for tag, *_ in self._open if tag not in ("html", "head")] == ["title"] and len(self.title) < DEEPEST:
             self.title += data
         elif not self._is_unseen:
             self._text.append(data)
