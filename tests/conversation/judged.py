@@ -2,8 +2,9 @@
 """Whether what came of a sentence is what was meant, in the form of the stored sets.
 
 `start task=go place=kitchen` is that start, `start …; start …` a list of them; further orders are `pause`, `resume`,
-`cancel`, `stop`. `option skip` is an answer, `asks` none, `nothing` no order, `no stop` any other; `a or b` is one of
-both. `key battery` is the value of a key, and any other word the sense of a question.
+`cancel`, `stop`. `option wait minutes=5` is an answer, `doubt skip` one that is read back or none, `asks` none,
+`nothing` no order, `no stop` any other; `a or b` is one of both. `key battery` is the value of a key, and any other
+word the sense of a question.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ ORDERS = ("start", "stop", "pause", "resume", "cancel")
 def ordered(found: Sequence[Output]) -> list[Mapping[str, Any]]:
     """The orders that are given out, or else those of the first that is read back or offered."""
     given = [
-        {"order": each.name, "arguments": each.arguments, "option": each.option}
+        {"order": each.name, "arguments": each.arguments, "option": each.option, "is_given": True}
         for each in found
         if isinstance(each, Order)
     ]
@@ -43,7 +44,7 @@ def is_ordered(order: Mapping[str, Any], expected: str) -> bool:
     for each in words[1:]:
         name, sign, value = each.strip("()").partition("=")
         values |= {name: value} if sign else {list(values)[-1]: f"{values[list(values)[-1]]} {name}"}
-    given = order.get("arguments", {})
+    given = order.get("arguments") or order.get("parameters") or {}
     texts = {name: str(given.get(name)) for name in values}
     has_each = all(value in (texts[name], *texts[name].split()) for name, value in values.items())
     return order["order"] == words[0] and has_each
@@ -76,11 +77,16 @@ def is_meant(
     names = [each["order"] for each in orders]
     if first == "key":
         return not orders and answers(what, " ".join(each.text for each in found if isinstance(each, Speech)))
-    if first in ("nothing", "asks", "no", "option"):
-        is_chosen = bool(orders) and orders[0].get("option") == what
-        return {"nothing": not orders, "asks": "answer" not in names, "no": what not in names, "option": is_chosen}[
-            first
-        ]
+    if first in ("nothing", "asks", "no", "option", "doubt"):
+        option, *values = what.split() or [""]
+        is_chosen = bool(orders) and orders[0].get("option") == option
+        return {
+            "nothing": not orders,
+            "asks": "answer" not in names,
+            "no": what not in names,
+            "option": is_chosen and is_ordered(orders[0], " ".join(["answer", *values])),
+            "doubt": not orders or (is_chosen and "is_given" not in orders[0]),
+        }[first]
     grammar = Grammar(language(code))
     senses = (*grammar.senses(text, view), grammar.question_by_sense(text, view))
     return next((each.name for each in senses if each is not None), "") in SENSES[first]

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sentences for robots that were made from the guides, five by each author, and dialogues with them.
+"""Sentences for robots that were made from the guides, five or six by each author, and dialogues with them.
 
 The first are a drone, an arm, a truck, a courier and a gardener; the second, for a library, a watch, a bar, a pool and
-a solar farm, were written before their author had read the grammar. Two of the second talk German.
+a solar farm, were written before their author had read the grammar. So were the third, for a rink, linen, a museum,
+bricks, samples and an airport, whose options take values. Two of the second talk German, and three of the third.
 
 Every other sentence was read while the rules were written, the first of each two; the rest was only counted.
 """
@@ -29,7 +30,11 @@ from rai_missions.engine.decision import Offer, Question
 from tests.conversation.judged import is_meant, ordered
 from tests.conversation.stored import read
 
-SETS: Mapping[str, Mapping[str, Any]] = {"first": read("robots.json"), "second": read("robots_second.json")}
+SETS: Mapping[str, Mapping[str, Any]] = {
+    "first": read("robots.json"),
+    "second": read("robots_second.json"),
+    "third": read("robots_third.json"),
+}
 ROBOTS: Mapping[str, Any] = {name: given for each in SETS.values() for name, given in each.items()}
 KINDS = ("orders", "questions", "answers", "stops", "harmless")
 
@@ -66,7 +71,8 @@ def robot(name: str) -> tuple[Settings, StatusView]:
 def asking(name: str) -> StatusView:
     """The run whose question is open."""
     given = ROBOTS[name]
-    options = tuple(Offer(*each) for each in given["options"].items())
+    texts = {name: [each] if isinstance(each, str) else each for name, each in given["options"].items()}
+    options = tuple(Offer(name, *each) for name, each in texts.items())
     question = Question(1, "asking", "operator", given["question"], options)
     return robot(name)[1]._replace(questions=(question,), confirm=frozenset((1, each) for each in given["confirm"]))
 
@@ -91,10 +97,12 @@ def rights(name: str, kind: str) -> Iterator[bool]:
 
 MODES = {"start": "running", "resume": "running", "stop": "paused", "pause": "paused"}
 LEAST = {
-    ("first", "orders"): (60, 47), ("first", "questions"): (37, 30), ("first", "answers"): (22, 21),
+    ("first", "orders"): (60, 47), ("first", "questions"): (37, 30), ("first", "answers"): (25, 24),
     ("first", "stops"): (20, 20), ("first", "harmless"): (38, 33), ("first", "dialogues"): (40, 33),
-    ("second", "orders"): (46, 37), ("second", "questions"): (37, 31), ("second", "answers"): (25, 22),
-    ("second", "stops"): (20, 20), ("second", "harmless"): (29, 28), ("second", "dialogues"): (72, 53),
+    ("second", "orders"): (46, 37), ("second", "questions"): (37, 31), ("second", "answers"): (28, 25),
+    ("second", "stops"): (20, 20), ("second", "harmless"): (29, 28), ("second", "dialogues"): (72, 55),
+    ("third", "orders"): (24, 26), ("third", "questions"): (21, 20), ("third", "answers"): (50, 42),
+    ("third", "stops"): (18, 17), ("third", "harmless"): (30, 27), ("third", "dialogues"): (44, 46),
 }  # fmt: skip
 """Those that are read right, of the half that was read and of the other."""
 

@@ -149,9 +149,7 @@ class SentenceSide:
             self._speaking.answer(self._talk.answers.closed(self._talk.view), utterance)
             return "handled"
         senses = self._answerable(senses)
-        if senses and all(
-            sense.name == "resume" and not self._orders.is_open(sense, utterance.role) for sense in senses
-        ):
+        if senses and all(self._may_be_answer(sense, utterance) for sense in senses):
             senses = self._answered_by_sense(utterance.text, utterance.role) or senses
         if all(sense.kind == "fault" for sense in senses):
             senses = self._suggested(utterance, senses) or senses
@@ -218,6 +216,12 @@ class SentenceSide:
         if dropped is not None:
             self._keep(dropped, utterance.speaker)
 
+    def _may_be_answer(self, sense: Sense, utterance: Utterance) -> bool:
+        """Whether an order may be meant as an option: to resume what runs, and `wait a bit`, where this is offered."""
+        if sense.name == "pause" and not utterance.is_spoken:
+            return self._grammar.sentence.options.are_in(utterance.text, self._talk.view)
+        return sense.name == "resume" and not self._orders.is_open(sense, utterance.role)
+
     def _is_late(self, utterance: Utterance, senses: Sequence[Sense]) -> bool:
         """Whether a sentence that means nothing else, but a key by its name, answers a question that just closed."""
         is_free = all(sense.kind == "question" and sense.name == "key" for sense in senses)
@@ -258,7 +262,8 @@ class SentenceSide:
         text = utterance.text
         if self._orders.confirmation.order is not None:
             return () if faults else self._asked_by_sense(text)
-        if senses := self._answered_by_sense(text, utterance.role):
+        senses = self._answered_by_sense(text, utterance.role)
+        if senses and not (faults and is_fault(senses)):
             return senses
         senses = self._grammar.without_reasons(text, self._talk.view)
         senses = senses or self._suggestions.suggested(text, self._talk.view, self._earlier(utterance))

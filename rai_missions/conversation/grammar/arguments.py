@@ -6,24 +6,27 @@ Rule: a value that does not fit its key is a fault in words; nothing is guessed 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import dropwhile
 from typing import Any
 
 from rai_missions.conversation.grammar.names import key_named
 from rai_missions.conversation.language.language import Language, spoken
 from rai_missions.conversation.view import KeyView
+from rai_missions.engine.decision import Offer
 from rai_missions.errors import MissionError
 from rai_missions.keys import is_within
 from rai_missions.planning.text.numbers import number
 
-__all__ = ("IN_WORDS", "BadValue", "key_value", "read_arguments", "unit_for")
+__all__ = ("IN_WORDS", "BadValue", "amount", "amounts_in", "key_value", "parameter_keys", "read_arguments")
 
 ReadValue = Callable[[Sequence[str], KeyView, Language], Any]
 DECIMALS = 12
 """Of a number in another unit than its key's."""
 SHORTEST_UNIT = 4
 """Letters of the shortest unit in a sentence of the mission: `min` may be the least there."""
+LONGEST_VALUE = 4
+"""Words of the longest number with its unit."""
 NOTHING: Mapping[str, Any] = {}
 IN_WORDS = frozenset({"integer", "number", "boolean", "string"})
 """The types of keys whose values can be spoken."""
@@ -52,7 +55,7 @@ def key_value(words: Sequence[str], key: KeyView, language: Language) -> Any:
     name, kind = language.name_of(key.name), _kind(key, language)
     if key.type not in IN_WORDS:
         raise BadValue(language.text("not_spoken", name=name, type=kind), key.name)
-    value: Any = _amount(words, key, language)
+    value: Any = amount(words, key, language)
     if key.type == "boolean":
         given = " ".join(words)
         value = True if given in language.data["true"] else False if given in language.data["false"] else None
@@ -81,35 +84,73 @@ def unit_for(key: KeyView, language: Language) -> str:
     named = (
         word for word in language.normaliser.words(key.about) if len(word) >= SHORTEST_UNIT and language.factors(word)
     )
-    return language.unit_of(key.name) or next(named, "")
+    return language.unit_of(key.name) or language.data["units"].get(key.name) or next(named, "")
 
 
-def _amount(words: Sequence[str], key: KeyView, language: Language) -> int | float | None:
+def amounts_in(words: Sequence[str], key: KeyView, language: Language) -> Iterator[list[str]]:
+    """The words of each number for a key, the longest first: with its unit, or where its name is in the clause.
+
+    Args:
+        words: Of a clause.
+        key: Of a number.
+        language: Its numbers and units.
+    """
+    unit, name = unit_for(key, language), language.singular(key.name)
+    units = frozenset(each.split()[-1] for each in language.factors(unit))
+    is_named = name in map(language.singular, words)
+    for size in range(LONGEST_VALUE, 1 if unit else 0, -1):
+        for at in range(len(words) - size + 1):
+            span = list(words[at : at + size])
+            is_amount = span[-1] in units if unit else is_named and not set(span) <= language.articles
+            bare = span[span[0] in language.articles :]
+            if is_amount and any(amount(each, key, language) is not None for each in (span, bare)):
+                yield span
+
+
+def amount(words: Sequence[str], key: KeyView, language: Language) -> int | float | None:
     """The number that the words are, with or without a unit: `five minutes` are 300 for a key in seconds.
 
-    A word that makes it less exact is left out, `about five`, and `a minute` is one.
+    A word that makes it less exact is left out, `about five`, `a minute` is one, and `twice` are two of no unit.
     """
     data = language.data
     words = list(dropwhile(frozenset(data["approximating"]).__contains__, words))
     if (value := number(words, data)) is not None:
         return value
-    unit = unit_for(key, language)
+    unit, given = unit_for(key, language), " ".join(words)
+    if not unit and given in data["repetitions"]:
+        return int(data["repetitions"][given])
     shares: Mapping[str, int] = data["shares"] if "%" in language.factors(unit) else {}
-    if " ".join(words) in shares:
-        return shares[" ".join(words)]
+    if given in shares:
+        return shares[given]
     factors = language.factors(unit) or {language.name_of(key.name).split()[-1]: 1.0}
     singular = {language.singular(unit): factor for unit, factor in factors.items()}
     for at in range(1, len(words)):
-        given = [*words[at:-1], language.singular(words[-1])]
-        amount = data["indefinite"].get(" ".join(words[:at]), number(words[:at], data))
-        if amount is not None and " ".join(given) in singular:
-            return _whole(round(amount * singular[" ".join(given)], DECIMALS))
+        measure = " ".join([*words[at:-1], language.singular(words[-1])])
+        count = data["indefinite"].get(" ".join(words[:at]), number(words[:at], data))
+        if count is not None and measure in singular:
+            return _whole(round(count * singular[measure], DECIMALS))
     return None
 
 
 def _whole(value: float) -> int | float:
     """`1.5 minutes` are 90 seconds, a whole number."""
     return round(value) if value == round(value) else value
+
+
+def parameter_keys(offer: Offer) -> list[KeyView]:
+    """The parameters of an option as keys."""
+    properties: Mapping[str, Mapping[str, Any]] = (offer.parameters or {}).get("properties") or {}
+    kinds = {name: str(each.get("type")) for name, each in properties.items()}
+    return [
+        KeyView(
+            name,
+            kind if (kind := kinds[name]) in IN_WORDS else "object",  # type: ignore[arg-type]
+            about=str(each.get("description", "")),
+            minimum=each.get("minimum"),
+            maximum=each.get("maximum"),
+        )
+        for name, each in properties.items()
+    ]
 
 
 def read_arguments(

@@ -15,7 +15,7 @@ from functools import cache
 from itertools import takewhile
 from typing import Any, NamedTuple
 
-from rai_missions.conversation.grammar.arguments import BadValue, unit_for
+from rai_missions.conversation.grammar.arguments import BadValue, amounts_in
 from rai_missions.conversation.grammar.likeness import Likeness
 from rai_missions.conversation.grammar.option_senses import OptionSenses
 from rai_missions.conversation.grammar.senses import Sense
@@ -38,8 +38,6 @@ LEAST = 0.5
 """The likeness from which on an order without values is offered."""
 LONGEST_SUBJECT = 3
 """Words of the longest subject of a statement."""
-LONGEST_VALUE = 4
-"""Words of the longest number with its unit."""
 LEAST_WORDS = 2
 """Words of the shortest sentence to which orders are offered."""
 OFFERED = ("pause", "resume", "cancel")
@@ -167,16 +165,9 @@ class NearestOrders:
         return next((NamedValue(each, called[each]) for each in within), None)
 
     def _number(self, words: Sequence[str], key: KeyView) -> NamedValue | None:
-        unit = unit_for(key, self._language)
-        is_named = self._language.singular(key.name) in map(self._language.singular, words)
-        units = frozenset(each.split()[-1] for each in self._language.factors(unit))
-        for size in range(LONGEST_VALUE, 1 if unit else 0, -1):
-            for at in range(len(words) - size + 1):
-                span = words[at : at + size]
-                if (span[-1] not in units if unit else not is_named) or set(span) <= self._language.articles:
-                    continue
-                with contextlib.suppress(BadValue):
-                    return NamedValue(tuple(span), self._phrases.value(span, key))
+        for span in amounts_in(words, key, self._language):
+            with contextlib.suppress(BadValue):
+                return NamedValue(tuple(span), self._phrases.value(span, key))
         return None
 
     def _thing(self, words: Sequence[str], taken: Collection[str], view: StatusView) -> NamedValue | None:

@@ -3,9 +3,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
-from rai_missions.conversation.grammar.arguments import IN_WORDS, BadValue, read_arguments
+from rai_missions.conversation.grammar.arguments import (
+    BadValue,
+    amount,
+    amounts_in,
+    key_value,
+    parameter_keys,
+    read_arguments,
+)
 from rai_missions.conversation.grammar.free_answers import TextOption, is_ordinal, text_option
 from rai_missions.conversation.grammar.names import option_named
 from rai_missions.conversation.grammar.option_senses import OptionSenses
@@ -26,6 +34,7 @@ class OptionAnswers:
 
     def __init__(self, language: Language) -> None:
         self._language, self._senses = language, OptionSenses(language)
+        self._no_count = language.articles.union(language.data["substitutes"])
 
     def senses(self, words: list[str], view: StatusView) -> list[Sense]:
         """What it answers: the one open question that has such an option; of several the oldest, to be read back."""
@@ -38,10 +47,14 @@ class OptionAnswers:
     def by_sense(self, text: str, view: StatusView) -> list[Sense]:
         """What a sentence answers by the sense of its words, each to be read back."""
         return [
-            self._answer(offer, is_partial=True)._replace(question=question.number)
+            self._with_amounts(offer, words)._replace(question=question.number, is_partial=True)
             for question in view.questions
-            for offer in self._senses.asked_for(text, question.options)
+            for offer, words in self._senses.asked_for(text, question.options)
         ]
+
+    def are_in(self, text: str, view: StatusView) -> bool:
+        """Whether a sentence has own words of an option."""
+        return any(self._senses.are_in(text, question.options) for question in view.questions)
 
     def fits(self, words: list[str], questions: Sequence[Question]) -> bool:
         """Whether the words answer one of these questions by a whole option."""
@@ -62,17 +75,48 @@ class OptionAnswers:
         return found[0]._replace(question=question.number) if found else None
 
     def _answer(self, offer: Offer, *, is_partial: bool, words: Sequence[str] = ()) -> Sense:
-        schema = offer.parameters or {}
-        properties = schema.get("properties") or {}
-        if not words and not schema.get("required"):
-            return Sense("order", "answer", option=offer.name, is_partial=is_partial)
-        kinds = {name: str(each.get("type")) for name, each in properties.items()}
-        keys = [KeyView(name, kind if kind in IN_WORDS else "object") for name, kind in kinds.items()]  # type: ignore[arg-type]
         try:
-            values = read_arguments(words, keys, self._language, owner=offer.name)
+            values = read_arguments(words, parameter_keys(offer), self._language, owner=offer.name)
         except BadValue as error:
             return Sense("fault", "answer", fault=str(error))
-        lacking = [spoken(name) for name in schema.get("required") or () if name not in values]
+        return self._given(offer, values, is_partial=is_partial)
+
+    def _with_amounts(self, offer: Offer, words: Sequence[str]) -> Sense:
+        """An option with the values of its parameters that a clause has: `honk twice`, `wait ten minutes`."""
+        values, keys = dict[str, Any](self._listed(offer, words)), parameter_keys(offer)
+        numbers = [key for key in keys if key.type in ("integer", "number")]
+        for key in numbers:
+            spans = list(amounts_in(words, key, self._language)) or self._bare_number(words, numbers)
+            try:
+                values |= [(key.name, key_value(span, key, self._language)) for span in spans[:1]]
+            except BadValue as error:
+                return Sense("fault", "answer", fault=str(error))
+        return self._given(offer, values, is_partial=True)
+
+    def _listed(self, offer: Offer, words: Sequence[str]) -> Iterator[tuple[str, Any]]:
+        """The parameters of which a clause names one of the values that they list."""
+        properties: Mapping[str, Mapping[str, Any]] = (offer.parameters or {}).get("properties") or {}
+        for name, each in properties.items():
+            ways = {value: self._language.normaliser.words(spoken(str(value))) for value in each.get("enum", ())}
+            named = [
+                value for value, way in ways.items() if any(words[at:][: len(way)] == way for at in range(len(words)))
+            ]
+            yield from [(name, named[0])] if len(named) == 1 else []
+
+    def _bare_number(self, words: Sequence[str], numbers: Sequence[KeyView]) -> list[list[str]]:
+        """The one number of a clause, where an option takes one, and no other thing is counted."""
+        counted = (at for at, word in enumerate(words) if amount([word], numbers[0], self._language) is not None)
+        places = [at for at in counted if words[at] not in self._no_count]
+        if len(places) != 1 or len(numbers) != 1:
+            return []
+        (at,) = places
+        is_last = all(not self._language.meanings(word) for word in words[at + 1 : at + 2])
+        return [[words[at]]] if is_last else []
+
+    def _given(self, offer: Offer, values: Mapping[str, Any], *, is_partial: bool) -> Sense:
+        """The option with these values; a fault where it requires more."""
+        required: Sequence[str] = (offer.parameters or {}).get("required") or ()
+        lacking = [spoken(name) for name in required if name not in values]
         if lacking:
             names = self._language.listed(lacking)
             return Sense(

@@ -10,13 +10,15 @@ only excepted: the horn of `anything but the horn`. Of `wait or honk` both are f
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
-from itertools import takewhile
+from itertools import groupby, takewhile
 
+from rai_missions.conversation.grammar.option_words import OptionWords
 from rai_missions.conversation.language.language import Language, language, languages, spoken
 from rai_missions.engine.decision import Offer
 from rai_missions.planning.text.normalise import nearest
+from rai_missions.planning.text.numbers import number
 
 __all__ = ("OptionSenses",)
 
@@ -37,29 +39,60 @@ class OptionSenses:
 
     def __init__(self, language: Language) -> None:
         self._language, data = language, language.data
+        self._own_words = OptionWords(language)
         self._senses, self._advising = language.option_senses, language.advising
         self._joints, self._senses_of = frozenset(data["clause_joints"]), lru_cache(MOST_OFFERS)(_senses_of)
         self._or = language.text("or")
         self._requesting, self._addressed = frozenset(data["requesting"]), frozenset(data["addressed"])
         self._asking = frozenset(data["asking"]) - self._requesting
         self._known = frozenset().union(*(each.words for each in self._senses.values()))
-        self._spelled = self._known | language.vocabulary | data["verb_forms"].keys()
+        self._spelled = self._known | language.vocabulary | data["verb_forms"].keys() | data["numbers"].keys()
 
-    def asked_for(self, text: str, options: Sequence[Offer]) -> list[Offer]:
-        """The options that a sentence asks for, as they are offered.
+    def asked_for(self, text: str, options: Sequence[Offer]) -> list[tuple[Offer, list[str]]]:
+        """The options that a sentence asks for, as they are offered, each with the words of the clauses that do so.
 
         Args:
             text: The sentence, as it was received.
             options: What is offered.
         """
         clauses = [words for each in self._language.normaliser.remarks(text) if (words := self._words(each))]
-        refused = [at for at, words in enumerate(clauses) if self._language.no.fits(words)]
+        refused = [at for at, words in enumerate(clauses) if self._refuses(words, options)]
         clauses = clauses[refused[-1] + 1 if refused else 0 :]  # `honk... no, wait`
         is_request = any(self._requesting & set(words) and words[0] not in self._asking for words in clauses)
         is_open = any(map(self._language.conditions.begin, clauses))
         if is_open or (text.rstrip().endswith("?") and not is_request) or self._language.may_quote(text):
             return []
-        return list(self._meant(clauses, options))
+        asked, is_choice = list(self._meant(clauses, options)), any(map(self._has_choice, clauses))
+        sensed = [words for words in clauses if asked and not is_choice and any(self._advised(words))]
+        own = dict(self._by_words(sensed or clauses, options))
+        both = [] if is_choice else [each for each in asked if each.name in own]
+        asked = both or [each for each in options if each in asked or each.name in own]
+        if is_choice and len(asked) == 1:
+            return []  # the other one is not known
+        return [(each, own.get(each.name) or [word for words in clauses for word in words]) for each in asked]
+
+    def _refuses(self, words: Sequence[str], options: Sequence[Offer]) -> bool:
+        """Whether a clause is a no; `skip it` is none, where this is offered."""
+        return self._language.no.fits(words) and not any(self._names(words, each) for each in options)
+
+    def _has_choice(self, words: Sequence[str]) -> bool:
+        """Whether a clause leaves open what is to be done; `a minute or two` is one."""
+        behind = (words[at + 1 : at + 2] for at, word in enumerate(words) if word == self._or)
+        return any(number(each, self._language.data) is None for each in behind)
+
+    def are_in(self, text: str, options: Sequence[Offer]) -> bool:
+        """Whether a sentence has own words of an option: `wait a bit`, but not `hang on`, of `wait`."""
+        remarks = self._language.normaliser.remarks(text)
+        return bool(list(self._by_words(filter(None, map(self._words, remarks)), options)))
+
+    def _by_words(self, clauses: Iterable[Sequence[str]], options: Sequence[Offer]) -> Iterator[tuple[str, list[str]]]:
+        """The options whose own words are in a clause, or a part of it around an `or`, with that; none of a refusal."""
+        free = (words for words in clauses if self._language.negations.isdisjoint(words))
+        for is_or, part in (part for words in free for part in groupby(words, key=self._or.__eq__)):
+            given = list(part)
+            given = given[next((at for at in range(len(given)) if self._is_advised(given[:at])), 0) :]
+            if not is_or and not self._language.reason_joints.begin(given):
+                yield from ((each.name, given) for each in self._own_words.meant(given, options))
 
     def _meant(self, clauses: Sequence[Sequence[str]], options: Sequence[Offer]) -> Iterator[Offer]:
         """The options that clauses name or have a sense of; one with all its senses comes before a part of it.
@@ -132,6 +165,10 @@ class OptionSenses:
             return True
         if self._language.yes.fits(before) or self._language.may_order_behind(before):
             return True
+        return self._is_advised(before)
+
+    def _is_advised(self, before: Sequence[str]) -> bool:
+        """Whether words end with a phrase ahead of what is advised."""
         return any(self._advising.fits(before[-size:]) for size in range(1, min(len(before), LONGEST_ADVISING) + 1))
 
 
@@ -150,5 +187,7 @@ def _senses_of(name: str, about: str) -> frozenset[str]:
 
 
 def _within(text: str, language: Language) -> Iterator[str]:
-    words = language.normaliser.words(text)
-    return (name for name, each in language.option_senses.items() if each.within(words))
+    """The senses of a text whose verb may be in the third person: `ruft` is `ruf`."""
+    verb, rest = (words := language.normaliser.words(text))[:1], words[1:]
+    forms = [[*form, *rest] for form in language.verb_stems(verb)] if verb else []
+    return (name for name, each in language.option_senses.items() if any(map(each.within, forms)))

@@ -104,7 +104,7 @@ class StartPhrases:
         self._undecided = spatial | joints | frozenset(data["no_thing"]["any"])
         self._joints = frozenset([*data["clause_joints"], *data["lead"]])
         self._ways = {
-            argument: {way: value for name, value in choices.items() for way in language.ways_of(name)}
+            argument: {way: value for name, value in choices.items() for way in self._ways_of(name)}
             for argument, choices in names.items()
         }
         self.names = frozenset(way for ways in self._ways.values() for way in ways)
@@ -115,6 +115,12 @@ class StartPhrases:
         """The words around the values, as the author of the profile has them."""
         self._openings = AnyPhrase(pattern for each in own for pattern in (each.phrases.pattern, each.listed.pattern))
         self.words = frozenset().union(*self.names, *(each.phrases.words for each in self._each))
+
+    def _ways_of(self, name: str) -> Iterator[tuple[str, ...]]:
+        """The ways in which a value is called, each without its article as well: `the family` is `family`."""
+        for way in self._language.ways_of(name):
+            yield way
+            yield from [way[1:]] if len(way) > 1 and way[0] in self._language.articles else []
 
     def _compiled(self, phrase: str, arguments: Mapping[str, Any]) -> CompiledPhrase:
         phrases = self._language.order_phrases([phrase])

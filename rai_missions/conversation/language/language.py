@@ -7,9 +7,10 @@ Rule: no sentence of any language is written in code; a new language is a new fi
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cache, cached_property, lru_cache
-from itertools import product
+from itertools import chain, product
 from pathlib import Path
 from typing import Any
 
@@ -138,6 +139,14 @@ class Language(LanguageTexts):
         around = (*self.normaliser.lead, *self.normaliser.tail)
         forms = (verb for verb in self.data["verb_forms"] if " " not in verb)
         return frozenset([*self.data["fillers"], *forms]).union(*around, *(each.words for each in every))
+
+    @cached_property
+    def light_verbs(self) -> frozenset[str]:
+        """The words with which phrases of several options' senses begin, `go`, `take`: alone they name no option."""
+        senses: Iterable[Sequence[str]] = self.data["option_senses"].values()
+        examples = ([each.split() for phrase in phrases for each in self.examples(phrase)] for phrases in senses)
+        first = chain.from_iterable({word for word, *_ in each} for each in examples)
+        return frozenset(word for word, times in Counter(first).items() if times > 1)
 
     def unclipped(self, word: str, known: Collection[str]) -> str:
         """A known word whose last letters a person leaves out: `going` of `goin`; the word as it is, if none is."""

@@ -36,6 +36,7 @@ OF_OWN_WORDS = frozenset(
         "spellings",
         "parts",
         "questions_alone",
+        "repetitions",
         "shares",
         "turned",
         "unit_words",
