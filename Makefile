@@ -5,7 +5,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup run talk desk campaign campaigns fmt check test long whole wheel compiled middleware ros-interfaces ros-package oracles fresh drill repeat mutate fuzz audit lock bench docs pictures weights clean
+.PHONY: help setup run talk desk campaign campaigns fmt check test long wheel compiled middleware ros-interfaces ros-package oracles fresh drill repeat mutate fuzz audit lock bench docs pictures weights clean
 
 BIN := .venv/bin
 comma := ,
@@ -62,17 +62,14 @@ check: .venv/.ready-dev ## Formatting, linters, types, the import contracts, wor
 	$(BIN)/python scripts/prose.py
 	$(BIN)/python scripts/words.py
 
-test: .venv/.ready-dev ## Every check, the built wheel, and all tests; those that need ROS 2 or a broker only after `make middleware`
+test: .venv/.ready-dev ## Every check, the built wheel, and all tests but the long ones (LONG=1: these as well); those that need ROS 2 or a broker only after `make middleware`
 	@$(MAKE) --no-print-directory --jobs=2 check wheel compiled
-	$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup $(TESTS)
+	$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup $(if $(LONG),-m "not drill") $(TESTS)
 
 # Only the files that have such tests: each worker loads them all.
 long: .venv/.ready-dev ## The tests that take seconds each and show in more what those of `make test` show
 	$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup -m "long and not drill" \
 	    $(or $(sort $(shell grep -rl --include='test_*.py' 'mark\.long' $(TESTS))),$(TESTS))
-
-whole: .venv/.ready-dev ## The tests of `make test` and of `make long` in one run
-	$(BIN)/python -m pytest -n $(WORKERS) --dist loadgroup -m "not drill" $(TESTS)
 
 wheel: .venv/.ready-dev ## Build the wheel and try it outside the checkout
 	scripts/try_wheel.sh
