@@ -42,7 +42,7 @@ EventKind = Literal[
 ]
 """The kinds of events; the table of `Event.kind` has what each means."""
 KINDS: tuple[EventKind, ...] = tuple(kind for kind in get_args(EventKind) if kind != "outcome")
-"""Those that can come from outside."""
+"""The kinds that can come from outside."""
 
 
 class Event(NamedTuple):

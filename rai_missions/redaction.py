@@ -193,7 +193,7 @@ class KnownSecrets(NamedTuple):
     parts: tuple[str, ...]
     """Each, the longest first; of one with several lines each line as well."""
     forms: tuple[str, ...]
-    """The same in every notation, the longest first."""
+    """The values in every notation, the longest first."""
 
 
 def _known() -> KnownSecrets:

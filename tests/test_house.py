@@ -10,6 +10,7 @@ import tokenize
 from collections import Counter
 from collections.abc import Iterator
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -21,6 +22,8 @@ OURS = ("rai_missions", "visualize")
 FOLDERS = (*OURS, "missions", "benchmarks", "tests")
 POINTS_BACK = re.compile(r"(?:The same|Its?|They|Those|That|Of|So (?:much|many)|All but)\b")
 """How a docstring begins that is read only after another one."""
+AS_A_FIELD = re.compile(r"(?:The same|They|Those|That|So (?:much|many)|All but)\b")
+"""How the text under a field or an attribute begins that is read only after another one."""
 ITSELF = re.compile(r" +\w+: It\.$")
 LICENCE = "# SPDX-License-Identifier: Apache-2.0"
 
@@ -31,6 +34,12 @@ def files(folder: str) -> Iterator[tuple[str, str]]:
         text = path.read_text(encoding="utf-8")
         if text.strip():
             yield str(path.relative_to(ROOT)), text
+
+
+def text_of(node: ast.AST) -> str:
+    """The text that is a statement by itself; empty for any other statement."""
+    value = node.value if isinstance(node, ast.Expr) else None
+    return value.value if isinstance(value, ast.Constant) and isinstance(value.value, str) else ""
 
 
 def offers(text: str) -> list[ast.expr | None]:
@@ -71,6 +80,16 @@ def test_a_docstring_begins_with_what_it_explains(folder: str) -> None:
         if isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
         for first in (ast.get_docstring(node) or "").splitlines()[:1]
         if POINTS_BACK.match(first)
+    ]
+    faults += [
+        f"{name}:{after.lineno}: {text!r}: name what is meant"
+        for name, source in files(folder)
+        for node in nodes(parsed(source))
+        for before, after in pairwise(
+            node.body if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) else ()
+        )
+        if isinstance(before, ast.Assign | ast.AnnAssign) and (text := text_of(after))
+        if AS_A_FIELD.match(text) or (isinstance(node, ast.Module) and POINTS_BACK.match(text))
     ]
     faults += [
         f"{name}: {line.strip()!r}: an argument is described by its noun"

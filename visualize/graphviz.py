@@ -24,11 +24,11 @@ from visualize.style import FONT, FONTS
 __all__ = ("layout_program", "render")
 
 DPI = 96
-"""Of PNG pictures: the smallest text, of 9 points, is 12 pixels high."""
+"""The resolution of PNG pictures: the smallest text, of 9 points, is 12 pixels high."""
 KNOWN = re.compile("[\n -~\u00a0-\u017f“”‘’„…•–—×−≠≤≥→←●]*")
 """What Graphviz has letters for: European names in Latin letters, and our own signs."""
 FITTED = "max-width:100%;max-height:100vh"
-"""Of an SVG: its own size where that fits, else as large as the window or the column that shows it."""
+"""The size of an SVG: its own where that fits, else as large as the window or the column that shows it."""
 
 
 def layout_program() -> Path:

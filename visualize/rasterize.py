@@ -24,7 +24,7 @@ with os.fdopen(os.dup(1), "wb") as out:
     svg = sys.stdin.buffer.read().decode("utf-8")
     out.write(bytes(svg_to_bytes(svg_string=svg, dpi=float(sys.argv[1]), log_information=True)))
 """
-"""Its own words, which go where a picture should, go next to it."""
+"""A program of one process each: what resvg prints to stdout, where the picture goes, is sent to stderr."""
 LACKING = re.compile(r"No fonts with a .*?/U\+([0-9A-F]+) character")
 SHOWN = 12
 """Characters that are sent one by one."""

@@ -17,7 +17,7 @@ from rai_missions.redaction import cut, shown
 __all__ = ("ProcessAgent",)
 
 MOST_LINES, LONGEST_LINE = 20, 4096
-"""Of its stderr: the last lines, and the characters with which each begins."""
+"""How many of the last lines of stderr are kept, and how many characters of each."""
 CLOSES_S = 1.5
 """What is left after a program's time to end: it is killed, and its last lines are read."""
 END_SIGNALS = frozenset({signal.SIGTERM, signal.SIGINT, signal.SIGHUP})

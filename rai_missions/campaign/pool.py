@@ -33,7 +33,7 @@ TICK_S = 0.5
 MEMORY_BYTES = 8 << 30
 """What a worker may be resident in, with the models that it opens."""
 MOST_DEATHS = 5
-"""So many workers in a row die of a task without any record: then its next cell has failed."""
+"""Workers in a row that may die of a task without any record; then its next cell has failed."""
 PATIENCE_S = 5.0
 
 

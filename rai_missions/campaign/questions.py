@@ -116,7 +116,7 @@ class AskedScene(NamedTuple):
     """Where the run was when the question was asked; branch it, and answer the branch."""
     question: Question
     decision: OpenDecision | None = None
-    """The same with a branch of the world, from which options can be rolled out; None where the world has no branch."""
+    """The question with a branch of the world, from which options can be rolled out; None where the world has none."""
 
     @property
     def facts(self) -> dict[str, Any]:

@@ -69,7 +69,7 @@ class Branchable(Protocol):
 ROLLOUT_METHODS = ("branch", "harm", "measures", "work_done")
 """The methods that a world needs for rollouts, and for nothing else."""
 ROLLOUT_NEEDS = f"{', '.join(ROLLOUT_METHODS[:-1])} and {ROLLOUT_METHODS[-1]}"
-"""The same, in words."""
+"""The methods in words."""
 
 
 @runtime_checkable

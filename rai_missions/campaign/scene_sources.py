@@ -17,7 +17,7 @@ from rai_missions.model import LISTED, Integer, Json, MissionModel, Name, Text, 
 __all__ = ("GivenScene", "ScenesEntry")
 
 MOST = 100_000
-"""So many scenes at the most: their plan is held in memory."""
+"""The largest number of scenes: their plan is held in memory."""
 
 
 class GivenScene(MissionModel):
@@ -42,7 +42,7 @@ class ScenesEntry(MissionModel):
     seeds: Annotated[tuple[Integer, ...], LISTED] = ()
     """A scene each: the world that the seed alone decides."""
     count: Annotated[Integer, Field(gt=0, le=MOST)] | None = None
-    """So many scenes of the generator (`campaign.scenes`), no two alike."""
+    """How many scenes the generator (`campaign.scenes`) makes, no two alike."""
     first_seed: Annotated[Integer, Field(ge=0)] = 0
     """Where the generator begins."""
     split: Split | None = None

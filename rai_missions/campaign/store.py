@@ -46,7 +46,7 @@ class LostParts(NamedTuple):
     """What a store has from an earlier run of the campaign, and does not hold any more."""
 
     labels: bool = False
-    """They are of another source."""
+    """The labels are of another source."""
     embodiments: tuple[str, ...] = ()
     """What these show has changed, so the questions under them have."""
 

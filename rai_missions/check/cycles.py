@@ -27,7 +27,7 @@ __all__ = ("endless_cycles", "possible_cycles")
 
 Truth = bool | None
 CROWD = 100
-"""So many transitions are looked at that could come right after another."""
+"""Transitions that could come right after another and are looked at, at most."""
 TRIES = 20
 """From so many transitions of a knot a way around is looked for."""
 

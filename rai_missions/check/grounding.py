@@ -29,7 +29,7 @@ class Origin(NamedTuple):
     stranger: bool = False
     """Some come from an argument, an answer, or a payload that anybody may send."""
     constants: frozenset[str] = frozenset()
-    """Those that the author wrote, as JSON."""
+    """The constants that the author wrote, as JSON."""
 
     def joined(self, other: Origin) -> Origin:
         """Both."""

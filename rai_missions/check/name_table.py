@@ -11,7 +11,7 @@ from rai_missions.errors import suggestion
 __all__ = ("NameTable",)
 
 GUESSES = 40
-"""So many unknown names of a sort are compared with all known ones; it takes long with ten thousand states."""
+"""Unknown names of a sort that are compared with all known ones; more take long with ten thousand states."""
 
 
 class NameTable:

@@ -18,7 +18,7 @@ from rai_missions.states.transition import ANY_EVENT
 __all__ = ("impossible_guards", "overlapping_transitions", "unwatched_holds")
 
 NEAR = 64
-"""So many earlier transitions of the same trigger are compared with; more of them make a long table, not a mistake."""
+"""Earlier transitions of the same trigger that one is compared with; more of them make a table, not a mistake."""
 WATCHED = ("invariants", "check", "eternal_guard")
 """The fields whose guards are asked for how long something has held; next to the guards of transitions."""
 

@@ -27,7 +27,7 @@ PLAIN = ("100644", "100755")
 MOST = 1000
 """Files of one mission."""
 MOST_BYTES = 64 * 2**20
-"""Of a file."""
+"""The largest file that is read."""
 ALONE = ("-c", "protocol.allow=never", "-c", "core.fsmonitor=false", "-c", "core.hooksPath=/dev/null")
 """A repository from elsewhere brings settings of its own, and some name programs: to fetch what it lacks is one."""
 

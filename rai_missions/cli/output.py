@@ -30,7 +30,7 @@ CONTROLS = {code: REPLACEMENT for code in (*range(32), *range(127, 160)) if chr(
 DIRECTIONS = dict.fromkeys((0x200E, 0x200F, 0x061C, *range(0x202A, 0x202F), *range(0x2066, 0x206A)), REPLACEMENT)
 """What changes the direction of writing, so that words are read in another order than they were written (UAX 9)."""
 MAX_PENDING = 2_000
-"""So many pieces of text wait to be taken; what is printed beyond is left out."""
+"""Pieces of text that may wait to be taken; what is printed beyond is left out."""
 
 
 class RedactedStream:

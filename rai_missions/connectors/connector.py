@@ -41,7 +41,7 @@ __all__ = (
 
 ConnectorMode = Literal["topics", "services", "actions"]
 Mode = ConnectorMode
-"""The same, for connectors that import it by this name."""
+"""`ConnectorMode` by its earlier name, for connectors that import it."""
 TypeKind = Literal["msg", "srv", "action"]
 TYPE_KINDS: Mapping[ConnectorMode, TypeKind] = {"topics": "msg", "services": "srv", "actions": "action"}
 """What the types of each mode are called, in ROS and in profiles."""

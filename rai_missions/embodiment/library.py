@@ -32,7 +32,7 @@ COUNT, MOST = 5, 20
 CANDIDATES = 30
 """Passages that each of the two searches gives to the fusion."""
 RANK_OFFSET = 10
-"""Of reciprocal rank fusion (Cormack, Clarke and Büttcher, 2009): how little the first ranks are preferred."""
+"""Constant of reciprocal rank fusion (Cormack, Clarke and Büttcher, 2009): how little first ranks are preferred."""
 NEAR = 0.35
 """Cosine from which a passage is near a question in meaning."""
 ENOUGH_TERMS = 0.5

@@ -170,7 +170,7 @@ class StepDraft:
     """Who was to be given control for something that was left before it came."""
     refusal: Refusal = ""
     refused: str = ""
-    """The same in words."""
+    """The refusal in words."""
     is_kept: bool = False
     """Something waits since this step."""
     ended: bool = False
@@ -180,7 +180,7 @@ class StepDraft:
     due: frozenset[str] = frozenset()
     """The states whose activities asked to be woken at this instant."""
     unseen: frozenset[str] = frozenset()
-    """Those of them that may have missed what has changed: while they were paused, or held, or not here."""
+    """The states in `due` that may have missed a change: while they were paused, or held, or not here."""
     goal_ended: bool = False
     """A goal has ended or was given up since the activities looked."""
     macrosteps: int = 0

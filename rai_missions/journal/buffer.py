@@ -32,7 +32,7 @@ __all__ = ("LONGEST_S", "BufferedWriter", "JournalSink", "raised_by")
 QUIET_S = 1.0
 """How long a write that enabled nothing may travel before it is written down, and a running timer be silent."""
 MOST_FREE = 1
-"""So many threads wait for the next row. One that is busy takes row after row without being woken."""
+"""Threads that wait for the next row. One that is busy takes row after row without being woken."""
 HURRY_S = 0.02
 """Where no thread has taken a row for so long, and one waits, all of them wait for disks. It is looked at so often."""
 LONGEST_S = 10.0

@@ -16,7 +16,7 @@ from rai_missions.errors import UsageError, irregular, make_folder_of, meant_fil
 __all__ = ("FILES", "Lock", "file_id", "in_place_of", "may_open", "out_of_files", "writing_at")
 
 FILES = 3
-"""Of a journal that is made: its lock, its database and the log."""
+"""The files of a journal that is made: its lock, its database and the log."""
 
 
 @contextmanager

@@ -22,16 +22,16 @@ from rai_missions.journal.lock import FILES, may_open
 __all__ = ("OPEN", "OpenFiles", "OpenJournal")
 
 KEPT = 64
-"""So many journals stay open whatever they do. An open one takes 76 kB and two files more than one at rest."""
+"""Journals that stay open whatever they do. An open one takes 76 kB and two files more than one at rest."""
 REST_S = 5.0
 """Beyond these, a journal that has written no row for so long is closed. To close and open again takes 1 ms of CPU."""
 BATCH, PACE_S = 10, 0.2
-"""So many are closed at once, so often: where all are written every 6 s, that takes 6 % of a core and no more."""
+"""How many are closed at once, and how often: where all are written every 6 s, that takes 6 % of a core at most."""
 SHARE = 4
 """One in so many of the files that this process may open, locks left out, is the database of a journal. Another one
 is its log, and half are for all else."""
 FEWEST = 4
-"""So many journals are open where there are files, however many locks there are."""
+"""Journals that may be open where there are files, however many locks there are."""
 TRIM_S = 5.0
 """At most so often the C library gives back what closed journals have freed. That takes 16 ms of CPU after 1,000."""
 PATIENCE_S = 1.0

@@ -40,7 +40,7 @@ CLOSE_S = 1.0
 FIRST_MARK = 100_000_000
 """A journal that has so many bytes is mentioned in the log, and again at ten times as many."""
 LOOK_ROWS = 100
-"""Its size is looked at once in so many rows."""
+"""Rows between two looks at the size of the journal."""
 LAST = "SELECT number, hash FROM rows ORDER BY number DESC LIMIT 1"
 Witness = Callable[[tuple[Raw, ...], tuple[Blob, ...]], None]
 """Is notified of rows once they are written, with the pictures that came with the last; must return at once, and never

@@ -18,7 +18,7 @@ FEW = (1_000_000, 50, 1000)
 """The thresholds meanwhile: objects until a search, and searches of one generation until one of the next."""
 
 MUCH = 10_000
-"""So many new objects join the oldest; fewer are searched, in a millisecond."""
+"""New objects from which on they join the oldest; fewer are searched, in a millisecond."""
 
 
 class _Builders:

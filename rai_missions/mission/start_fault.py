@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 __all__ = ("StartFault", "StartFaultKind")
 
 StartFaultKind = Literal["started", "foreign", "missing", "unfit"]
-"""It has been started already; an argument is none of its own, is missing, or has a value that does not fit."""
+"""The mission was started already; an argument is none of its own, is missing, or has a value that does not fit."""
 
 
 class StartFault(NamedTuple):

@@ -164,7 +164,7 @@ def _not_null(value: Any) -> Any:
 
 
 NOT_NULL = BeforeValidator(_not_null)
-"""Of a word that may be left out."""
+"""The validator of a word that may be left out."""
 
 
 def _listed(value: Any) -> Any:
@@ -172,7 +172,7 @@ def _listed(value: Any) -> Any:
 
 
 LISTED = BeforeValidator(_listed)
-"""Of a tuple, which JSON and Python may write as a list; a word alone is none."""
+"""The validator of a tuple, which JSON and Python may write as a list; a word alone is none."""
 
 
 def alike(one: Any, other: Any) -> bool:

@@ -39,7 +39,7 @@ log = logger(__name__)
 
 DIAGNOSTICS = "diagnostic_msgs/msg/DiagnosticArray"
 LONGEST_QUEUE = 10_000
-"""So many messages wait to be published; beyond that the oldest are dropped."""
+"""Messages that may wait to be published; beyond that the oldest are dropped."""
 DIAGNOSE_S, FAREWELL_S = 1.0, 5.0
 IDLE = StatusMessage(0, "", "", "", "", "", "", "idle", "autonomy")
 

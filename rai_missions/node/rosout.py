@@ -23,7 +23,7 @@ LOG = "rcl_interfaces/msg/Log"
 LONGEST = 4_000
 """Characters of a line."""
 LEVELS = (50, 40, 30, 20, 10)
-"""Of rcl_interfaces/msg/Log; they are Python's."""
+"""The levels of rcl_interfaces/msg/Log, which are Python's."""
 PACKAGE = "rai_missions"
 
 

@@ -89,4 +89,4 @@ READINGS: Mapping[str, Sequence[Json]] = {
     "unclear": (_reading(None, question="which one?", reason="ambiguous"),),
     "refused": (_reading(None, reason="forbidden"),),
 }
-"""The same of reading a request."""
+"""How reading a request can end → readings, as in `PLANS`."""

@@ -190,7 +190,7 @@ class Grouped(Predicate, word="grouped", is_mutual=True):
     """Things close together, each with a near neighbour of the group: `{"grouped": ["a", "b", "c"]}`."""
 
     grouped: Several
-    """Those of the group."""
+    """The things of the group."""
 
     def __init__(self, grouped: tuple[str, ...]) -> None: ...
 
@@ -201,7 +201,7 @@ class Apart(Predicate, word="apart", is_mutual=True):
     """Things of which no two are near each other: `{"apart": ["a", "b"]}`."""
 
     apart: Several
-    """Those that are to be apart."""
+    """The things that are to be apart."""
 
     def __init__(self, apart: tuple[str, ...]) -> None: ...
 

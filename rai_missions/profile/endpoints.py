@@ -29,7 +29,7 @@ class Endpoint(NamedTuple):
     place: Place
     mode: ConnectorMode
     name: str
-    """That of a handover may hold `{by}`."""
+    """The name on the robot; that of a handover may hold `{by}`."""
     type: str
     """Empty where the profile leaves it out."""
     is_listener: bool = False

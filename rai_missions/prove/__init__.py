@@ -49,7 +49,7 @@ class Proof(NamedTuple):
     depth: int
     """Steps of the longest of the shortest runs to the states."""
     farthest: int
-    """So many steps at the most lie between a state and the nearest end, with as many rounds as were explored."""
+    """The most steps between a state and the nearest end, with as many rounds as were explored."""
     is_whole: bool
     """Every state was explored."""
     stopped: Stopped

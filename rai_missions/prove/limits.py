@@ -20,7 +20,7 @@ MOST_STATES = 1_000_000
 STATES_AFTER, WORK_AFTER, TIMES_AFTER = 10_000, 400_000, 10
 """Once a claim is refuted, the others are looked at for so many times what that has cost, and so much more."""
 EVERY = 256
-"""So many steps are made between two looks at the memory."""
+"""Steps between two looks at the memory."""
 MIB = 1024 * 1024
 STATM = Path("/proc/self/statm")
 

@@ -18,7 +18,7 @@ __all__ = ("LENGTHENED", "LISTED", "MOVING", "REPORTED", "Edge", "StateGraph")
 
 DEEPEST = 65_535
 REPORTED, MOVING = -2, -1
-"""Of a step, in place of the number of what waits on: more than time makes it; the robot is not silent."""
+"""In place of the number of what waits on, for a step: more than time makes it; the robot is not silent."""
 UNKNOWN = -1
 LENGTHENED, LISTED = "longer list of ", "list of "
 """Prefixes of the name of a state whose list had another item in a step, and of one that began with a list in it: words

@@ -37,7 +37,7 @@ MOST_ROWS_BYTES, ROWS_RATIO = 1 << 30, 100
 Each of its rows brings a hash, which cannot be packed.
 """
 MOST_UNPACKED, UNPACKED_RATIO = 4 << 30, 2_000
-"""The same for all that is packed in it."""
+"""What a recording may unpack to, as above."""
 
 
 def restore(path: Path, journal: Path) -> str:

@@ -44,7 +44,7 @@ nanoseconds; when it was so, in seconds on the run's clock; the name under which
 
 
 FIELDS = 6
-"""Of an item."""
+"""The number of fields of an item."""
 
 
 class _Lane:
@@ -52,7 +52,7 @@ class _Lane:
 
     def __init__(self, kind: Kind) -> None:
         self.fields: deque[Any] = deque()
-        """Those of the first item, then those of the next one."""
+        """The fields of the first item, then those of the next one."""
         self.most, self._most_bytes = FIELDS * MOST[kind], MOST_BYTES[kind]
         self._lock = threading.RLock()  # a signal may come on the thread that is putting
         self._bytes = 0

@@ -22,7 +22,7 @@ from rai_missions.replay.resume import Resumption, resumption
 __all__ = ("OpenedRun", "open_run")
 
 MAY_CHANGE = frozenset({"$schema", "name", "about", "connector", "identity", "rules"})
-"""Of a profile: how the robot is reached and who answers, not what it receives and does."""
+"""The words of a profile that may differ: how the robot is reached and who answers, not what it receives and does."""
 
 
 class OpenedRun(NamedTuple):

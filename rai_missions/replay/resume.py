@@ -38,7 +38,7 @@ class Resumption(NamedTuple):
     exact: bool = False
     """The surroundings are where the run is, as the branch of its world is: nothing need be received again."""
     arguments: Mapping[str, Any] = {}
-    """Those that it was made with; where it had not begun, they are written again."""
+    """The arguments that the run was made with; where it had not begun, they are written again."""
     waits: bool = False
     """Where it had not begun: it waits, ready, for the command to start."""
     mode_by: str = ""

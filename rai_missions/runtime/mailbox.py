@@ -21,7 +21,7 @@ __all__ = ("Mailbox",)
 LONGEST_WAIT_S = 86_400.0
 """A wait for longer ends early and begins again: threads cannot wait for centuries."""
 MOST_BEFORE_PICTURE, MOST_BEFORE_WRITE = 200, 100_000
-"""So many events may wait before one of the robot's pictures, or another fact, that is taken in in its turn."""
+"""Events that may wait before of a key only its newest picture, or any other newest value, is kept."""
 
 
 class Mailbox:

@@ -22,7 +22,7 @@ LARGEST = 1_000_000
 LONGEST_SIDE = 1_024
 """Pixels."""
 MOST_PIXELS = 50_000_000
-"""Of a picture file: a few bytes may unpack to very many."""
+"""The most pixels of a picture file: a few bytes may unpack to very many."""
 
 
 def image_of(message: Any, ref: str) -> Image:

@@ -27,7 +27,7 @@ Sample = tuple[float, float, Vector]
 LEAST = 10
 """Valid measurements in a box below which its distance is unknown."""
 LEAST_SHARE = 0.02
-"""The same, as a share of the pixels looked at."""
+"""The share of valid measurements below which a box's distance is unknown."""
 MIDDLE = 0.6
 """The share of a box's width and height, around its middle, that is looked at: its edges show what is behind."""
 LARGEST = 20_000_000

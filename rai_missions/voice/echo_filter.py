@@ -19,15 +19,15 @@ from rai_missions.voice.echo_match import EchoMatch
 __all__ = ("EchoFilter",)
 
 PARTS = 16
-"""Of the filter, a frame each: 0.5 s, the longest delay with its reflections."""
+"""The parts of the filter, a frame each: 0.5 s, the longest delay with its reflections."""
 PERSISTENCE = 0.999
 """How much of the room stays the same from one frame to the next."""
 NOISE_MEMORY = 0.9
 """How much of what the filter does not predict is known from the frames before."""
 LEAST_NOISE_SHARE = 0.1
-"""Of what is left, what the filter does not predict at least."""
+"""The least share of what is left that counts as not predicted by the filter."""
 LEAST_POWER = 1e3
-"""Of a frequency in a frame, of amplitudes to 32768: so that silence divides by no 0."""
+"""The least power of a frequency in a frame, of amplitudes to 32768: so that silence divides by no 0."""
 
 
 class EchoFilter:

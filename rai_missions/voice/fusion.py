@@ -34,14 +34,14 @@ __all__ = ("LEAST", "LEAST_FIRST_OF_ANY", "LEAST_STOP", "FusedTurn", "evidence_i
 LEAST, LEAST_ALONE = 5.5, 8.5
 """What the evidence for a phrase must come to, in nats, where the second agrees; where it does not."""
 LEAST_GUESSED, LEAST_GUESSED_ALONE = 9.0, 12.0
-"""The same where the first guesses what it may be otherwise."""
+"""What the evidence must come to, as for `LEAST`, where the first guesses what it may be otherwise."""
 MORE_FOR_WORDS = 1.5
 """How much more where the free text has more words than the phrase and nothing is guessed, so that the second's vote
 alone is not enough."""
 LEAST_FIRST = 2.4
 """What the first recogniser's own must come to."""
 LEAST_STOP, LEAST_STOP_FIRST = 2.4, 1.0
-"""The same for "stop", with no lead: one syllable cannot have much, other speech has less, it must not be missed.
+"""What the two must come to for "stop", without a lead: one syllable has little, other speech less, and none is missed.
 In loud noise "pause" is often as near to it: where that is not enough and "stop" is next, the first's own counts."""
 LEAST_FIRST_OF_ANY = min(LEAST_FIRST, LEAST_STOP_FIRST)
 """With less of the first's own, no phrase counts, unless the network has the odds for it."""
@@ -87,7 +87,7 @@ class FusedTurn(NamedTuple):
     text: str
     """A phrase, or what the first recogniser reads freely; empty where there are no words."""
     readings: tuple[str, ...] = ()
-    """The same by each recogniser that reads it; after a phrase those others that may be meant, twice."""
+    """The text by each recogniser that reads it; after a phrase the others that may be meant, twice."""
 
 
 def fused(

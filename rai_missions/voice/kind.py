@@ -64,7 +64,7 @@ class EarReading(NamedTuple):
     clear: bytes
     """The frame without the echo of what was played."""
     quiet: bytes
-    """The same without steady noise."""
+    """The frame without the echo and without steady noise."""
 
 
 class FrameReader(Protocol):

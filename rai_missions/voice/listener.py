@@ -64,7 +64,7 @@ class Transcript(NamedTuple):
     text: str
     """Empty where no words were recognised: noise, or a false alarm."""
     readings: tuple[str, ...]
-    """The same by each recogniser that recognised something; the first one's is first."""
+    """The text by each recogniser that recognised something; the first one's is first."""
     turn: int
     began: float
     spoken_until: float

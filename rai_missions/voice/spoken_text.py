@@ -14,7 +14,7 @@ from typing import Literal, NamedTuple, get_args
 __all__ = ("MOST_LETTERS", "PRIORITIES", "SpeechPriority", "SpeechQueue", "SpokenEnd", "SpokenText", "sentences")
 
 MOST_LETTERS = 200
-"""Of what is spoken in one piece: a voice takes longer than its letters for a longer one, and begins later."""
+"""Letters of what is spoken in one piece: with a longer one a voice begins later."""
 SpeechPriority = Literal["end", "question", "answer", "chatter"]
 """What is spoken first: the mission's end, then its questions and other reports, answers, the rest."""
 PRIORITIES: tuple[SpeechPriority, ...] = get_args(SpeechPriority)

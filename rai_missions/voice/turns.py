@@ -39,7 +39,7 @@ class TurnSettings(NamedTuple):
     end_s: float = 0.4
     """Quiet after which a turn has ended."""
     short_end_s: float = 0.288
-    """The same where what was offered is a closed word: yes, no."""
+    """Quiet after which a turn has ended where a closed word was offered: yes, no."""
     before_s: float = 0.32
     """Sound before the first frame of speech that belongs to the turn."""
     longest_s: float = 14.0
@@ -72,7 +72,7 @@ class TurnEvent(NamedTuple):
     clear: bytes = b""
     """Of `offered`: the sound of the turn, without echo."""
     quiet: bytes = b""
-    """The same without steady noise."""
+    """Of `offered`: the sound of the turn, without echo and without steady noise."""
 
 
 class TurnDetector:

@@ -14,7 +14,7 @@ from rai_missions.worlds.options import check_names
 __all__ = ("Battery",)
 
 EFFICIENCY = 0.85
-"""Of the drive: what of the battery's power reaches the wheels."""
+"""The share of the battery's power that reaches the wheels."""
 
 
 class Battery:

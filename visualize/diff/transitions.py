@@ -38,7 +38,7 @@ class ComparedTransitions(NamedTuple):
     gone: frozenset[str] = frozenset()
     """The options of the state's own decision that are no more."""
     come: frozenset[str] = frozenset()
-    """Those that were not there; that they are offered is a change of its own, with where they lead."""
+    """The options that were not there; that they are offered is a change of its own, with where they lead."""
 
 
 def transition_changes(transitions: ComparedTransitions) -> Iterator[Change]:

@@ -55,9 +55,9 @@ class RunScene:
     board: dict[str, tuple[Any, float]] = field(default_factory=dict)
     """Key → value and stamp."""
     keys: Mapping[str, Key] = field(default_factory=dict)
-    """Those of the mission."""
+    """The keys of the mission."""
     questions: dict[int, Question] = field(default_factory=dict)
-    """Those that are open, by their numbers."""
+    """The questions that are open, by their numbers."""
     closed: dict[str, dict[str, str]] = field(default_factory=dict)
     """Question's number, as text → option → why it would be refused if it were taken now."""
     open_goals: list[Json] = field(default_factory=list)

@@ -41,7 +41,7 @@ SCRIPTS = (
     "legend.js",
     "page.js",
 )
-"""Of the review page, in that order, too."""
+"""The scripts of the review page, in this order."""
 PLACE = re.compile(r"\{\{(policy|title|style|script|data|body)\}\}")
 ESCAPED = str.maketrans({"<": "\\u003c", ">": "\\u003e", "&": "\\u0026", "\u2028": "\\u2028", "\u2029": "\\u2029"})
 """What could end a script element, begin a comment in it, or a line of JavaScript."""

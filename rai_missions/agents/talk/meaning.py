@@ -23,7 +23,7 @@ SCALE = 0.5 / 0.55
 MOST_VECTORS = 10_000
 """Examples whose vectors are remembered; the options of each question bring new ones."""
 LANGUAGE = "en"
-"""Of the sentences that MiniLM was trained with."""
+"""The language of the sentences that MiniLM was trained with."""
 
 
 class MeaningLikeness:

@@ -24,7 +24,7 @@ LONGEST_NAME, LONGEST_ID, LONGEST_NOTE = 100, 200, 500
 LONGEST_TEXT = 64_000
 """Characters of a result that are looked at; a longer one would keep the interpreter, and so the engine, for long."""
 MOST_PICTURES, LARGEST_PICTURES = 8, 32 * 1024 * 1024
-"""Of one call: how many are shown, and the characters of all of them as they are sent."""
+"""How many pictures of one call are shown, and the characters of all of them as they are sent."""
 
 
 class ToolLookup(NamedTuple):

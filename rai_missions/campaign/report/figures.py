@@ -173,7 +173,7 @@ class CampaignFigures(NamedTuple):
 
     split: str
     scenes: Mapping[str, SceneRecord]
-    """Those of the split."""
+    """The scenes of the split."""
     labels: Mapping[str, Mapping[str, str]]
     groups: tuple[GroupFigures, ...]
     """By mission, embodiment and model."""

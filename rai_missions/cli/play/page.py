@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ("ShownPlay", "opened", "serve")
 
 MOST_PATH = 500
-"""So many of the last choices are on the page."""
+"""How many of the last choices are on the page."""
 
 
 class ShownPlay:

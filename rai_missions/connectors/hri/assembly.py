@@ -17,7 +17,7 @@ from rai_missions.connectors.hri.message import MOST_BYTES, MOST_ITEMS, MOST_TEX
 __all__ = ("Assembly", "ReceivedMessage")
 
 MOST_PARTS = 1000
-"""Of one message."""
+"""The largest number of parts of one message."""
 MOST_OPEN = 64
 """Messages that may be incomplete at the same time."""
 MOST_HELD = 64 * 1024 * 1024

@@ -15,7 +15,7 @@ __all__ = ("parts_of",)
 TEXT_OF_A_PART = 16_000
 """Characters; at most 64 kB on the wire."""
 BYTES_OF_A_PART = 1024 * 1024
-"""Of pictures and sound; a larger picture or piece of sound travels in a part of its own."""
+"""Bytes of pictures and sound in a part; a larger picture or piece of sound travels in one of its own."""
 
 
 def parts_of(

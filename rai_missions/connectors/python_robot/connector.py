@@ -69,7 +69,7 @@ class PythonRobotConnector(ConnectorWrapper):
         self._workers: dict[str, Worker] = {}
         self._changed = threading.Condition()
         self._goals: dict[str, GoalRun[Any]] = {}
-        """Those whose function has not returned."""
+        """The goals whose function has not returned."""
         self._polls: dict[str, FactPoll] = {}
         """The facts that are read, by their names."""
         self._listened: set[str] = set()

@@ -100,7 +100,7 @@ class AsyncActionRun(GoalRun[TaskExecution]):
     """The run of a goal that an `async def` pursues on the robot's event loop."""
 
     _waits: tuple[Coroutine[Any, Any, None], ...] = ()
-    """Those that have yet to begin."""
+    """The waits that have yet to begin."""
 
     def sleep(self, seconds: float) -> Coroutine[Any, Any, None]:
         """Await this: a wait for seconds of the run's clock; less where the mission cancels the goal meanwhile."""

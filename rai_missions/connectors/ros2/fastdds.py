@@ -30,7 +30,7 @@ class Edition(NamedTuple):
     prompt: Path
     """What was lost is sent again at once."""
     pictures: Path
-    """The same, with room for pictures."""
+    """The profile with prompt repeats and with room for pictures."""
 
 
 FAST_DDS_2 = Edition(
@@ -39,14 +39,14 @@ FAST_DDS_2 = Edition(
     HERE / "fastdds.xml",
     HERE / "fastdds_pictures.xml",
 )
-"""That of Jazzy."""
+"""The edition of Jazzy."""
 FAST_DDS_3 = Edition(
     "FASTDDS_DEFAULT_PROFILES_FILE",
     "DEFAULT_FASTDDS_PROFILES.xml",
     HERE / "fastdds3.xml",
     HERE / "fastdds3_pictures.xml",
 )
-"""That of Kilted and later; it still reads the older variable."""
+"""The edition of Kilted and later, which still reads the older variable."""
 TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"
 _ONE_BY_ONE = threading.Lock()
 

@@ -20,7 +20,7 @@ WAITING = 4
 BETWEEN = bytes(2 * RATE_HZ)
 """A second of silence, which passes behind the sound of each source: a turn ends in it."""
 MOST_SOURCES = 100
-"""So many changes of the source are remembered."""
+"""How many changes of the source are remembered."""
 
 
 class PieceSound(FrameLoop):

@@ -53,7 +53,7 @@ UNKNOWN: frozenset[ClaimKind] = frozenset(("", "language", "fragment"))
 NAMED: frozenset[ClaimKind] = UNKNOWN | {"subject", "report", "place"}
 """The kinds that a name may have: `the red cup` begins as a subject does."""
 LEAST_SHARE = 0.15
-"""Of a sentence's words that are another language's small words, below which it is not judged by that one's rules."""
+"""The share of another language's small words in a sentence below which that one's rules do not judge it."""
 LONGEST_PIECE = 4
 """Words up to which a sentence may be the beginning of the next, as in `The way. Is free.`, or a value no sentence."""
 LONGEST_BEGUN = 400

@@ -31,7 +31,7 @@ class JudgedOrder(NamedTuple):
     """The order in words."""
     confirmed: str = ""
     is_reported: bool = False
-    """That nothing comes of it was spoken already."""
+    """Whether it was spoken already that nothing comes of the request."""
     follows: str = ""
     """The order right before it in its sentence."""
 

@@ -22,7 +22,7 @@ __all__ = ("IN_WORDS", "BadValue", "amount", "amounts_in", "key_value", "paramet
 
 ReadValue = Callable[[Sequence[str], KeyView, Language], Any]
 DECIMALS = 12
-"""Of a number in another unit than its key's."""
+"""Decimals of a number that was given in another unit than its key's."""
 SHORTEST_UNIT = 4
 """Letters of the shortest unit in a sentence of the mission: `min` may be the least there."""
 LONGEST_VALUE = 4

@@ -22,7 +22,7 @@ __all__ = ("Corrections", "Draft")
 HALF = ("half_words", "prepositions", "correcting", "substitutes", "fillers")
 """The lists of a language whose words are around the values of a half sentence."""
 JOINING = ("half_words", "correcting")
-"""Those with which a half sentence is joined to the order before it."""
+"""The lists of words by which a half sentence is joined to the order before it."""
 LONGEST = 4
 """Words of the longest text that replaces another one."""
 

@@ -43,17 +43,17 @@ class CompiledPhrase(NamedTuple):
 
     phrases: Phrases
     listed: Phrases
-    """The same with nothing but listed values where there are such, and with two objects: `bring Anna the letter`."""
+    """The phrases with listed values alone, where there are such, and with two objects: `bring Anna the letter`."""
     phrase: str
     """As in a language's file; `{key}` is the value of an argument."""
     arguments: Mapping[str, Any]
     """The arguments that it gives without words for them; in a text `{name}` is what the sentence has there."""
     own: Phrases
-    """The same with the verb of its author alone, and none of its sense."""
+    """The phrases with the verb of its author alone, and no other of its sense."""
     words: frozenset[str]
     """Its own words around the values."""
     begun: Phrases | None
-    """The same without its last value, and the words ahead of that; None where it has but one."""
+    """The phrases without the last value and the words ahead of it; None where there is one value alone."""
     keys: frozenset[str]
     """Every argument that it gives."""
     is_value: bool

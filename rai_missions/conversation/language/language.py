@@ -108,7 +108,7 @@ class Language(LanguageTexts):
         self.joints = sorted(order_joints + self.reversing_joints, key=len, reverse=True)
         """The words that join two orders, the longest first."""
         self.joints_by_word = by_word(filter(None, self.joints), 0)
-        """The same by the first word."""
+        """The joints by their first word."""
 
     def _phrases(self, name: str) -> Phrases:
         return Phrases(self.data[name], self.parts)

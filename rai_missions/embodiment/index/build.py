@@ -26,7 +26,7 @@ __all__ = ("BuildReport", "build_index", "is_current")
 
 MOST_DOCUMENTS = 200
 MOST_PASSAGES = 20_000
-"""Of all documents: a search looks at the vectors of all of them."""
+"""Passages of all documents together: a search looks at the vectors of all of them."""
 
 
 class BuildReport(NamedTuple):

@@ -24,7 +24,7 @@ __all__ = ("IndexReader", "IndexedDocument", "IndexedPassage", "write_index")
 APPLICATION = 0x52414949
 """`RAII` in the file's header."""
 FORMAT = 2
-"""Of the tables, and of how documents are read and cut: another one is built again from the documents."""
+"""The version of the tables and of how documents are cut: an index of another one is built again."""
 SCHEMA = (
     "CREATE TABLE about (name TEXT PRIMARY KEY, value TEXT NOT NULL)",
     "CREATE TABLE documents (name TEXT PRIMARY KEY, sha256 TEXT NOT NULL, title TEXT NOT NULL, fault TEXT NOT NULL)",
@@ -34,7 +34,7 @@ SCHEMA = (
     " tokenize='porter unicode61 remove_diacritics 2')",
 )
 HEADING_WEIGHT, TEXT_WEIGHT = 2.0, 1.0
-"""Of a word in a heading, and in the text (BM25)."""
+"""The weight of a word in a heading, and in the text (BM25)."""
 LARGEST = 500_000_000
 """Bytes of an index."""
 SQLITE, APPLICATION_AT = b"SQLite format 3\x00", slice(68, 72)

@@ -28,7 +28,7 @@ OUTLINE_LEVEL, HEADING_LEVEL = re.compile(r"[0-9]"), re.compile(r"[1-9]")
 NAMESPACES = (
     "http://schemas.openxmlformats.org/wordprocessingml/2006/main", "http://purl.oclc.org/ooxml/wordprocessingml/main",
 )  # fmt: skip
-"""Of the transitional and of the strict form."""
+"""The namespaces of the transitional and of the strict form."""
 ALTERNATIVES = "http://schemas.openxmlformats.org/markup-compatibility/2006"
 """Part 3 of ECMA-376: one of several contents for programs of different age."""
 OFF = ("0", "false", "off")

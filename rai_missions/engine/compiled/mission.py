@@ -20,7 +20,7 @@ from rai_missions.states.transition import Transition
 __all__ = ("CompiledMission",)
 
 CONFIGURATIONS = 4096
-"""So many configurations are remembered, or four for each state; past that all are forgotten and it starts again."""
+"""How many configurations are remembered, unless four for each state are more; past that all are forgotten."""
 
 
 class CompiledMission:

@@ -77,7 +77,7 @@ class CompiledGuard(NamedTuple):
     reads: frozenset[str]
     """The keys that it looks at."""
     watched: frozenset[str]
-    """All but time by which it is woken (`Site.watched`)."""
+    """What it is woken by, time excepted (`Site.watched`)."""
     instants: tuple[Instant, ...]
     held_guards: Mapping[str, Test]
 
@@ -101,7 +101,7 @@ class CompiledState:
         self.children: list[CompiledState] = []
         self.transitions: list[CompiledTransition] = []
         self.of_it: list[CompiledTransition] = []
-        """Those, wherever they are, that name it by `of`."""
+        """The transitions, wherever they are, that name it by `of`."""
         self.chains: dict[Any, tuple[CompiledTransition, ...]] = {}
         """An event, or None for no event → its transitions and its ancestors' that it may fire: see `chain_of`."""
         self.initial: tuple[CompiledState, ...] = ()

@@ -155,4 +155,4 @@ UNTIL_FINAL: Mapping[EventKind, Receiver] = {
     "proposal": _receive_answer,
     "behaviour": _receive_answer,
 }
-"""The same, unless the mission is ending already."""
+"""Kind → its receiver, unless the mission is ending already."""

@@ -25,7 +25,7 @@ class RequestReading(MissionModel):
     reason: Annotated[Text, Field(max_length=64)] = ""
     """Why there is no goal: a code, such as `unknown_word`, `ambiguous`, `absent`, `forbidden`."""
     about: Annotated[Text, Field(max_length=4000)] = ""
-    """The same as a sentence."""
+    """The reason as a sentence."""
     covers_all: bool = False
     """Whether the goal is about all that there is of something: what is seen later belongs to it, too."""
 

@@ -42,14 +42,14 @@ LONE = re.compile(r"(?<!\w)'(?=\w)|(?<=\w)'(?!\w)")
 BETWEEN = (",", ".", "and", "then")
 """Kinds of symbols between two wishes."""
 DIVIDING = (*BETWEEN, ":")
-"""The same, and what is between a heading and its wishes."""
+"""Kinds of symbols between two wishes, or between a heading and its wishes."""
 ENDS = (*BETWEEN, "too", "empty")
 SUBJECTS = frozenset({"noun", "colour", "generic", "pronoun", "all", "rest", "everything"})
 """Kinds of symbols that end a phrase about things."""
 RANKS = ("rank", "compared")
 """Kinds of symbols that name an order before a noun."""
 RANKING = (*RANKS, "ordinal")
-"""The same with a place in it."""
+"""Kinds of symbols that name an order, or a place in one, before a noun."""
 NAMING = SUBJECTS | {"the", "a", "any", "other", "number", "epithet", *RANKING}
 """Kinds of symbols of which such a phrase consists."""
 

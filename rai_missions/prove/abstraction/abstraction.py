@@ -41,7 +41,7 @@ __all__ = ("INDIFFERENT", "PURSUED", "Abstraction")
 INDIFFERENT: frozenset[FieldKind] = frozenset(("number", "past", "end", "passing"))
 """What of a run makes no difference to what can happen next."""
 REMEMBERED = 4096
-"""Of so many configurations it is remembered what they wait for."""
+"""Configurations of which is remembered what they wait for."""
 PURSUED = ("sent", "running")
 """The phases of a goal that its state still pursues."""
 

@@ -21,7 +21,7 @@ from rai_missions.states.control import Holder
 __all__ = ("ControlEnvironment", "control_event", "kept_words")
 
 OTHERS = ("autonomy", "agent", "operator")
-"""Of these the first whose control no active state needs represents every holder who holds nothing up."""
+"""Holders; the first whose control no active state needs represents every holder who holds nothing up."""
 
 
 class ControlEnvironment:

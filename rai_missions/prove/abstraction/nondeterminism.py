@@ -191,7 +191,7 @@ class OpenBoard(AskedBoard):
         self.looked: set[str] = set()
         """The keys that were looked at since this was last emptied."""
         self.replaced: set[str] = set()
-        """Those that were written since this was last emptied, and had not been looked at before."""
+        """The keys that were written since this was last emptied, and had not been looked at before."""
         self.counters = frozenset[str]()
         """Of numbers that are counted it is noted what had been added to them at each look."""
         self.counted: set[tuple[str, int]] = set()

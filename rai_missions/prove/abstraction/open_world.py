@@ -62,7 +62,7 @@ class OpenWorld:
         self.fleeting = frozenset(name for name, key in keys.items() if key.source == "robot")
         """The keys that the robot reports."""
         self.passing = frozenset(name for name, key in keys.items() if key.must_recur)
-        """Those that it must report again and again."""
+        """The keys that the robot must report again and again."""
         self.open_keys = self.fleeting | {name for name, key in keys.items() if key.source == "argument"}
         """The keys that can have any value at the start."""
         self.own_keys = frozenset(keys) - self.open_keys

@@ -40,7 +40,7 @@ AS_IT_IS: frozenset[FieldKind] = frozenset(("value", "states", "begins"))
 NO_DRAFT = StepDraft()
 """Saved states have gathered nothing."""
 REMEMBERED = 4096
-"""Of so many configurations it is remembered what makes a difference from there on."""
+"""Configurations of which is remembered what makes a difference from there on."""
 A_LITTLE_S = 1e-3
 """A state is older than a guard asks for by so much, so that a sum of floats does not fall short."""
 

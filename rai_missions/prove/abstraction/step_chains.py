@@ -22,7 +22,7 @@ from rai_missions.prove.abstraction.store import fingerprint
 __all__ = ("StepChains", "unpolled")
 
 REMEMBERED = 50_000
-"""So many places within steps are remembered; past that all are forgotten and it starts again."""
+"""Places within steps that are remembered; past that all are forgotten."""
 
 
 class StepChain:
@@ -39,7 +39,7 @@ class StepChain:
         self.moves, self.guards = dict[Move, int](), dict[tuple[str, Truth], int]()
         """Move, and guard with its value → the microsteps at the last place after it."""
         self.seen = len(draft.written), len(draft.moves), len(draft.looked)
-        """So many of the draft's are known."""
+        """How many writes, moves and guards of the draft are known."""
 
     def add(self, own: Mapping[str, Any], looked: set[str], draft: StepDraft) -> None:
         """The step has come to another place."""

@@ -36,12 +36,12 @@ __all__ = (
 )  # fmt: skip
 
 MANY = 2
-"""So many alike represent any number more."""
+"""How many alike goals represent any number more."""
 LEFT = 1_000_000_000
 """From here on the goals of a store are numbered, in each state that it is put back into."""
 NONE: Bounds = {}
 REMEMBERED = 50_000
-"""So many stores, changes and answers are remembered; past that all are forgotten and it starts again."""
+"""Stores, changes and answers that are remembered; past that all are forgotten."""
 
 
 class ObstructionQuery(NamedTuple):
@@ -87,7 +87,7 @@ class StoreChange(NamedTuple):
     added: Mapping[str, int]
     """Key → what is added to its number."""
     goals: tuple[Goal, ...]
-    """Those that were given up; all that are left, where the step has asked for every goal."""
+    """The goals that were given up; all that are left, where the step has asked for every goal."""
     is_absolute: bool
     rivals: Rivals
     """Of each goal what makes a difference afterwards."""
@@ -102,7 +102,7 @@ Rivals = Callable[[Goal], tuple[Any, ...] | None]
 
 
 Kept = Callable[[str, Any], Any]
-"""Of a key and its entry what may be read afterwards."""
+"""What may be read later of the entry of a key."""
 
 
 class StoreQuery:

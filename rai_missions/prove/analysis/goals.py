@@ -18,7 +18,7 @@ from rai_missions.planning.examples import GOALS, PAIRS, REQUESTS, ways
 __all__ = ("NO_GOAL", "first_of_each", "requests", "sights")
 
 NO_GOAL: Mapping[str, Any] = {}
-"""Of which nothing is known."""
+"""A goal of which nothing is known."""
 Json = dict[str, Any]
 TEXTS = (*REQUESTS, " and ".join(REQUESTS), "something else")
 """Requests for each goal, for both and for none."""

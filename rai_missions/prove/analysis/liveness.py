@@ -27,7 +27,7 @@ from rai_missions.states.tree.leaves import ActionLeaf, SetLeaf
 __all__ = ("ALL", "Later", "LiveReads", "LooksAhead")
 
 REMEMBERED = 4096
-"""Of so many configurations it is remembered what makes a difference."""
+"""Configurations of which is remembered what makes a difference."""
 PLAIN = (bool, int, float, str, list)
 KINDS: Mapping[str, type] = {"string": str, "object": Mapping, "boolean": bool}
 """Types of keys that any value of the same type of JSON fits."""
@@ -109,8 +109,7 @@ class Later(NamedTuple):
     """What makes a difference from a configuration on."""
 
     keys: frozenset[str]
-    """Those that may be read before they are written again; of an object the paths into it, where it is not read as a
-    whole."""
+    """The keys that may be read before they are written again; of an object that is read in part, the paths into it."""
     starts: frozenset[str]
     """The actions that may be started."""
     recalls: frozenset[int]

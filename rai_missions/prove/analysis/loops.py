@@ -33,13 +33,13 @@ from rai_missions.states.tree.leaves import ActionLeaf, CallLeaf, DecisionLeaf, 
 __all__ = ("FEW", "Level", "Loop", "long_loops", "may_rest", "unlike", "with_rounds")
 
 FEW = 8
-"""So many rounds are explored at first."""
+"""Rounds that are explored at first."""
 LONG = 16
 """A loop of no more rounds than this is explored as it is."""
 COUNTED: Mapping[type, str] = {Retry: "num_failures", Repeat: "num_success"}
 """The field that has the number of rounds."""
 ALIKE = 3
-"""So many rounds with the same states at least, before the last, represent all later ones."""
+"""Rounds with the same states, before the last one, from which on they represent all later ones."""
 
 
 class Loop(NamedTuple):
@@ -63,7 +63,7 @@ class Level(NamedTuple):
     ended: int
     """Rounds that have ended."""
     rest: bytes
-    """The same for two states that differ in this number alone."""
+    """A key of the state, equal for two states that differ in `ended` alone."""
 
 
 def long_loops(mission: Mission, robot_facts: RobotFacts) -> tuple[Loop, ...]:

@@ -23,7 +23,7 @@ from rai_missions.states.tree.leaves import CheckLeaf
 __all__ = ("questions",)
 
 TRUE_OR_NOT = Transition, Option, CheckLeaf, EternalGuard
-"""Of their guards it only counts whether they are true; of a mission's, the invariants, whether they are false."""
+"""The kinds of whose guards it only counts whether they are true; of the invariants, whether they are false."""
 
 
 def questions(value: Any, keys: Iterable[str]) -> dict[str, list[tuple[Guard, Truth]]]:

@@ -42,7 +42,7 @@ __all__ = ("Edge", "Space")
 
 NOW_AND_THEN = 100
 MOST_COURSES = 20_000
-"""So many states are remembered with all that happened in them."""
+"""States that are remembered with all that happened in them."""
 OnProgress = Callable[[int, int], None]
 
 

@@ -11,7 +11,7 @@ from rai_missions.prove.exploration.region_parts import PartNumbers
 __all__ = ("BITS", "PartCodes")
 
 BITS = 24
-"""Of a part's number in the code of a state; there are never so many parts as states."""
+"""The bits of a part's number in the code of a state; there are never so many parts as states."""
 
 
 class PartCodes:

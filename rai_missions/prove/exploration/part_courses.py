@@ -35,9 +35,9 @@ __all__ = (
 LOUD, KEPT, TREES, ENDED = 1, 2, 4, 8
 """Some part is not quiet, runs what a pause leaves as it is, runs a tree, has come to its end."""
 SUMMARY = 4
-"""So many bits lower than what parts wait for."""
+"""The bits of a summary below those of what parts wait for."""
 MOVE, CHANGE, END, OTHER = range(4)
-"""It changes parts alone, or frame or store too; it ends the mission; all else."""
+"""What an arrival does: change parts alone, or frame or store too; end the mission; all else."""
 OUTER = KEPT | TREES
 """What of it decides what can happen around all parts."""
 

@@ -44,7 +44,7 @@ HalfTable = tuple[Halves, Halves, Halves]
 TWO = 2
 """Where fewer parts have not come to their ends, what can happen on account of one rests on the others."""
 MOST_HALVES = 50_000
-"""So many halves of states are remembered; past that all are forgotten and it starts again."""
+"""Halves of states that are remembered; past that all are forgotten."""
 
 
 class Search(Protocol):

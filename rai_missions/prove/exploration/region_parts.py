@@ -30,7 +30,7 @@ __all__ = ("Part", "PartNumbers", "RegionParts", "StateFrame")
 PARTED: tuple[FieldKind, ...] = ("activities", "settling", "ages", "since", "timers", "goals", "board")
 """What is divided among the groups, entry by entry."""
 IN_ORDER: tuple[FieldKind, ...] = ("activities", "settling")
-"""Of these it makes a difference in which order the entries of several groups came."""
+"""The fields in which the order of the entries of several groups makes a difference."""
 
 
 class PartNumbers(NamedTuple):

@@ -77,7 +77,7 @@ class StepFootprint(NamedTuple):
 
 
 NOTHING = StepFootprint()
-"""That of a step in a state that is not taken apart."""
+"""The footprint of a step in a state that is not taken apart."""
 
 
 class Arrival(NamedTuple):
@@ -90,7 +90,7 @@ class Arrival(NamedTuple):
     ended: tuple[str, str] | None
     """Outcome and why; None where the mission continues."""
     core: bytes = b""
-    """That of the state afterwards; of an end what distinguishes it from others."""
+    """The core of the state afterwards; of an end what distinguishes it from others."""
     state: SavedState | None = None
     change: StoreChange | None = None
     mode: str = ""

@@ -34,7 +34,7 @@ __all__ = ("TraceReplayer", "TraceStep", "go", "scenes", "ways_to")
 SLICE = 0.4
 """Facts are reported again after this part of the time for which they can be believed."""
 MOST_INSTANTS = 20_000
-"""So many instants are waited through for a thing that takes time."""
+"""Instants that are waited through, at most, for a thing that takes time."""
 
 
 class TraceStep(NamedTuple):

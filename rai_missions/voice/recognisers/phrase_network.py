@@ -17,7 +17,7 @@ __all__ = ("MOST_STEPS", "PhraseNetwork", "trained_network")
 
 WEIGHTS = "phrase_network.npz"
 MOST_STEPS, STEPS_AFTER = 100, 4
-"""Of 20 ms: a longer turn is none of the phrases; how many after the sound belong to it."""
+"""Steps of 20 ms: a longer turn is none of the phrases; how many after the sound belong to it."""
 USUAL_STEPS = 50
 """The unit of the sums over time, about the length of a phrase."""
 

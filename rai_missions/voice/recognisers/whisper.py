@@ -38,9 +38,9 @@ LEAST_CHANCE = 1e-9
 CERTAIN = 20.0
 """Nats of evidence for a phrase that is read freely."""
 NOISE, NOISE_S = 1e-3, 1.5
-"""Of the noise with which phrases are compared: its level, where 1 is the loudest, and how long it is."""
+"""The noise with which phrases are compared: its level, where 1 is the loudest, and how long it is."""
 SAMPLES_A_STEP, AFTER_STEPS = 320, 50
-"""Of the encoding: 20 ms a step, and a second after the sound."""
+"""The steps of the encoding: 20 ms each, and a second after the sound."""
 LEAST_SCORE = -2.2
 """Mean log probability of a token below which a free text is noise; short words on loud noise reach -2."""
 MOST_SILENCE = 0.8

@@ -19,7 +19,7 @@ __all__ = ("Flite", "open_voice")
 
 SPEAKERS = ("slt", "rms", "awb", "kal", "kal16")
 STREAMED = ("slt", "rms", "awb", "kal16")
-"""Those whose sound has 16 kHz: it is taken from the library as it is made."""
+"""The voices whose sound has 16 kHz: it is taken from the library as it is made."""
 WITHIN_S = 30.0
 
 

@@ -21,9 +21,9 @@ __all__ = ("FliteLibrary",)
 
 PARTS = ("flite", "flite_usenglish", "flite_cmulex")
 FIRST_BYTES, MOST_BYTES = RATE_HZ // 2, 2 * RATE_HZ
-"""Of a piece: the first has 250 ms, each other twice as much as the one before it, up to a second."""
+"""Bytes of a piece: the first has 250 ms, each other twice as much as the one before it, up to a second."""
 LEAST_SAMPLES = 256
-"""Of what the library gives at a time."""
+"""The least number of samples that the library gives at a time."""
 CONTINUE, STOP = 0, -1
 
 

@@ -33,7 +33,7 @@ ROUND = 'friction="1.2 .02 .003" condim="6" solref=".006 1"'
 """A round thing rolls to a stop."""
 WALL_M = 0.005
 Profile = tuple[tuple[float, float], ...]
-"""Of a body of revolution about x: pairs of x and radius."""
+"""The profile of a body of revolution about x: pairs of x and radius."""
 CARROT: Profile = (
     (-0.07, 0.004), (-0.068, 0.013), (-0.06, 0.018), (-0.03, 0.0185), (0.0, 0.0165), (0.03, 0.013), (0.055, 0.0095),
     (0.067, 0.005), (0.07, 0.0005),

@@ -25,7 +25,7 @@ WIDEST_M = 0.072
 TIP_M, TIP_SIDE_M, TIP_UP_M = 0.011, 0.0095, 0.017
 """A finger's tip: how thick, half of how wide, and how far above the TCP it becomes thicker."""
 FINGER_M, FINGER_SIDE_M = 0.026, 0.0115
-"""Its upper part."""
+"""The upper part of a finger."""
 PALM_UP_M, PALM_M, PALM_SIDE_M = 0.036, 0.105, 0.0325
 """The hand above the fingers: how far above the TCP, and half of its extents."""
 CLEAR_M = 0.004

@@ -21,7 +21,7 @@ __all__ = ("TILTS", "Joints", "Kinematics", "ToolPose", "Unreachable", "rotation
 Joints = NDArray[np.float64]
 """Seven angles, rad."""
 DAMPING = 1e-3
-"""Of the least squares, in (m or rad)²: small enough to converge in a few steps, large enough next to singularities."""
+"""The damping of the least squares, (m or rad)²: converges in few steps, and is enough next to singularities."""
 ROUNDS = 40
 CLOSE_M, CLOSE_RAD = 2e-4, 2e-3
 """How exactly a pose is reached."""

@@ -22,7 +22,7 @@ __all__ = ("FEWEST_SHARE", "DeskLook", "Eye", "SeenBody", "SurfacePoints", "sigm
 Points = NDArray[np.float64]
 Triple = tuple[float, float, float]
 FEWEST_SHARE = 0.25
-"""Of what faces a camera; a thing of which less is in sight is not detected."""
+"""The share of what faces a camera that must be in sight for a thing to be detected."""
 SIGMA_M: Mapping[str, float] = {
     "cube": 0.0005, "apple": 0.001, "tomato": 0.001, "carrot": 0.001, "corn": 0.001, "tray": 0.001, "bin": 0.001,
 }  # fmt: skip

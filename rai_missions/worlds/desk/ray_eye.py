@@ -25,14 +25,14 @@ __all__ = ("RayEye", "RayLook")
 SEEN_GROUPS = np.array([1, 1, 1, 0, 0, 0], np.uint8)
 FARTHEST_M = 3.0
 ASPECT = 4 / 3
-"""Of a picture's width to its height."""
+"""The ratio of a picture's width to its height."""
 FACING = 0.2
 """The least cosine between a surface's normal and the way to the camera."""
 BEHIND_M = 0.005
 """A ray that goes so much farther than a point within a thing saw through it: the desk is not far behind."""
 
 LEAN_SIGMA = 0.15
-"""Of a leaning thing's length: how far off the pose is that is fitted to it as if it lay straight."""
+"""How far off the pose fitted to a leaning thing is, as a share of its length."""
 
 
 class RayLook:

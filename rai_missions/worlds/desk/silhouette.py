@@ -39,7 +39,7 @@ HUBER = 2.5
 """Residuals of so many sigmas count in full, and larger ones less."""
 ROUNDS, SETTLED = 8, 1e-5
 STEPS = np.array([1e-4, 1e-4, 1e-4, 1e-3])
-"""Of the numerical derivatives: x, y, z in m, yaw in rad."""
+"""The steps of the numerical derivatives: x, y, z in m, yaw in rad."""
 ASIDE: Points = np.concatenate([np.zeros((1, 4)), np.diag(STEPS)])
 WEAK = 1e-3
 """Keeps the equations solvable where nothing is known of a coordinate."""

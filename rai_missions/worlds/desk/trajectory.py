@@ -28,7 +28,7 @@ jerks, so that what is held does not slip."""
 PACE = 1.0, 5.0, 60.0
 """Along a path, in seconds of its own measure a second: its rate, and two derivatives of it."""
 ROUNDS = 12
-"""Of slowing down where a path bends, before the whole is slowed down."""
+"""Rounds of slowing down where a path bends, before the whole is slowed down."""
 
 
 class Trajectory:

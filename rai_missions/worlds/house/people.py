@@ -54,7 +54,7 @@ class PersonPlan:
     turn_deg: float | None = None
     """Where they look at first, 0 is east, counter-clockwise; None: drawn from the seed."""
     lies: bool = False
-    """They lie on the floor, feet where they look: lower than the plane of the robot's lidar. They do not walk."""
+    """Whether the person lies on the floor, feet where they look, below the plane of the lidar, and does not walk."""
     helps: bool = False
     """Asked by the robot, they clear the doorway that they are in or next to, and begin to walk."""
 

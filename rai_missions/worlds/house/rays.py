@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 __all__ = ("Rays",)
 
 GEOM_GROUPS = 6
-"""That MuJoCo has."""
+"""The groups of geometries that MuJoCo has."""
 
 
 class Rays:

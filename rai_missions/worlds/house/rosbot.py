@@ -19,7 +19,7 @@ WHEEL_M, TRACK_M = 0.048, 0.27
 SKID = 1.55
 """How much wider a skid-steered base turns than its track reports, on this floor."""
 RADIUS_M = 0.2
-"""Of the circle around it."""
+"""The radius of the circle around the robot."""
 OUTLINE_M = 0.15, 0.16
 """Half as long and half as wide as it is, wheels included."""
 FASTEST_MPS, FASTEST_RADPS = 0.5, 1.8

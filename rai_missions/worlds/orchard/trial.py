@@ -37,7 +37,7 @@ class Trial:
     contact_n: float
     """The strongest force between the tractor and the obstacle while it crossed it, N."""
     chassis_n: float
-    """The same on anything but the tyres."""
+    """The strongest force between the obstacle and anything but the tyres, N."""
     broke_n: float
     """The strongest force on a thing that broke, N."""
     pitch_deg: float

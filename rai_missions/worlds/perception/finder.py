@@ -63,7 +63,7 @@ class FinderConfig:
     rooms: Mapping[str, Sequence[float]] = field(default_factory=dict)
     """Name → west, south, east, north in m on the map."""
     furniture: Mapping[str, Sequence[float]] = field(default_factory=dict)
-    """The same, of what things may be on."""
+    """Name of furniture that things may be on → west, south, east, north in m on the map."""
 
 
 class ObjectFinder:

@@ -22,7 +22,7 @@ NEAREST_M, FARTHEST_M = 0.1, 20.0
 INNER = 0.5
 """The share of a box, around its middle, in which depth is read: the rest shows what is behind."""
 NEAR = 0.25
-"""Of the depths there, the one that so many are nearer than: the thing, not the wall behind it."""
+"""The quantile of the depths in a box that counts: the thing, not the wall behind it."""
 FEWEST = 4
 """Pixels with a depth that a box must have."""
 

@@ -112,7 +112,7 @@ GAINS = (
     (2000, 200, 12),
     (2000, 200, 12),
 )
-"""Of the joints' position control: N·m/rad, N·m·s/rad, and the largest torque in N·m."""
+"""The gains of the joints' position control: N·m/rad, N·m·s/rad, and the largest torque in N·m."""
 LAG_S = 0.1
 """By what the position control lags at an even speed: the ratio of its gains."""
 COLLIDES = 'contype="2" conaffinity="1"'
