@@ -24,6 +24,7 @@ from rai_missions.engine.state import TABLE, FieldKind, RunState, Timer
 from rai_missions.guards.view import View
 from rai_missions.keys import Stamped
 from rai_missions.prove.abstraction.activity_key import SOON, rested, timer_key
+from rai_missions.prove.abstraction.alike_readings import AlikeReadings
 from rai_missions.prove.abstraction.control_env import ControlEnvironment
 from rai_missions.prove.abstraction.instruments import Instruments
 from rai_missions.prove.abstraction.nondeterminism import OpenFields, Payload
@@ -85,6 +86,7 @@ class Abstraction:
         self.passed: dict[str, ForgetsNodes] = {
             name: PassedNodes(root) for _, name, state in mission.walk() if (root := state.root()) is not None
         }
+        self._alike_readings = AlikeReadings(chart, world)
         self._rivals: dict[frozenset[str], Rivals] = {}
         self.names_orphans = "orphaned" in triggers
         self._names_failed_calls = "call_failed" in triggers
@@ -140,16 +142,21 @@ class Abstraction:
                     entry = Stamped(shape.fresh(entry.value), NOW)
                     board.put(key, entry)
                 entry.value.looked.clear()
-        for condition in self._watching(state):
+        waiting = list(self._watching(state))
+        running = list(awake(self._chart.program, state)) if state.running and state.mode != "paused" else []
+        read = frozenset[str]().union(*(machine.reads(activity) for _, machine, activity in running))
+        alike = self._alike_readings.narrow(state, waiting, read)
+        for condition in waiting:
             self._look(state, condition)
-        for _, machine, activity in (
-            awake(self._chart.program, state) if state.running and state.mode != "paused" else ()
-        ):
+        for _, machine, activity in running:
             if isinstance(machine, GoalMachine) and not world.predicates:
                 _sense(machine, activity, state)
             else:
                 looked |= machine.reads(activity)
-        return frozenset(looked) & world.fleeting
+        sensed = frozenset(looked) & world.fleeting
+        for key in alike.keys() & sensed:
+            board.leave(key, alike[key])
+        return sensed
 
     def _watching(self, state: RunState) -> Iterable[CompiledGuard]:
         """The guards that may do something without an event."""
@@ -192,7 +199,7 @@ class Abstraction:
     def _forget(self, state: RunState) -> None:
         world, board = self._world, self._world.board
         for key in world.fleeting - state.listening:
-            board.pop(key, None)
+            board.forget(key)
         for key in world.shapes:
             entry = board.known(key)
             if entry is not None:

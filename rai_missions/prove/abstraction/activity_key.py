@@ -11,7 +11,7 @@ from rai_missions.engine.activities.action import GoalActivity
 from rai_missions.engine.activities.decision import DecisionActivity
 from rai_missions.engine.activities.tree import RunningLeaf, TreeActivity
 from rai_missions.guards.view import View
-from rai_missions.prove.abstraction.nondeterminism import OpenFields
+from rai_missions.prove.abstraction.nondeterminism import AnyOf, OpenFields
 from rai_missions.prove.abstraction.open_world import NOW
 
 __all__ = ("SOON", "key_of", "plain", "rested", "timer_key")
@@ -113,5 +113,7 @@ def timer_key(key: tuple[str, Any], timer: Any) -> tuple[str, str, str]:
 
 
 def plain(value: Any) -> Any:
-    """What is known of an object, field by field."""
+    """What is known of an object, field by field, or of a key that has one of several values."""
+    if isinstance(value, AnyOf):
+        return tuple(map(plain, value))
     return sorted(value.items()) if isinstance(value, OpenFields) else value

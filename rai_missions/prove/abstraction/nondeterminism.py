@@ -13,7 +13,7 @@ from typing import Any
 from rai_missions.keys import Stamped
 from rai_missions.prove.analysis.counts import Count
 
-__all__ = ("MISSING", "Choices", "OpenBoard", "OpenFields", "Payload")
+__all__ = ("MISSING", "AnyOf", "Choices", "OpenBoard", "OpenFields", "Payload")
 
 MISSING: Any = object()
 _get = dict.get
@@ -163,6 +163,12 @@ class Payload(dict[str, Any]):
         return self.known()
 
 
+class AnyOf(tuple[Any, ...]):
+    """The values of which a key has one, in a saved state."""
+
+    __slots__ = ()
+
+
 class AskedBoard(dict[str, Any]):
     """A blackboard whose `get` answers for every way to look up one key."""
 
@@ -195,6 +201,8 @@ class OpenBoard(AskedBoard):
         self.counters = frozenset[str]()
         """Of numbers that are counted it is noted what had been added to them at each look."""
         self.counted: set[tuple[str, int]] = set()
+        self.among: dict[str, AnyOf] = {}
+        """Key → the values of which it has one, until someone looks or it is written; None is unknown."""
 
     def get(self, key: str, default: Any = None) -> Any:
         found = _get(self, key, MISSING)
@@ -231,15 +239,20 @@ class OpenBoard(AskedBoard):
 
     def known(self, key: str) -> Any:
         """The entry of a key as far as it was looked at; None before that, and for unknown."""
-        return dict.get(self, key)
+        return self._any_of(key) if key in self.among else dict.get(self, key)
 
     def is_known(self, key: str) -> bool:
         """Whether someone has looked, or the mission wrote it."""
-        return dict.__contains__(self, key)
+        return key in self.among or dict.__contains__(self, key)
 
     def entries(self) -> Iterable[tuple[str, Any]]:
         """What is known; None is unknown."""
-        return dict.items(self)
+        if not self.among:
+            return dict.items(self)
+        return [*dict.items(self), *((key, self._any_of(key)) for key in self.among)]
+
+    def _any_of(self, key: str) -> Stamped:
+        return Stamped(self.among[key], self._at)
 
     def items(self) -> Any:
         """What is known and not unknown; nothing is chosen."""
@@ -247,20 +260,40 @@ class OpenBoard(AskedBoard):
 
     def put(self, key: str, entry: Stamped | None) -> None:
         """Have it so, None for unknown."""
+        self.among.pop(key, None)
         dict.__setitem__(self, key, entry)
+
+    def leave(self, key: str, values: Iterable[Any]) -> None:
+        """Have a key be one of several values, whichever is found when someone looks."""
+        values = AnyOf(values)
+        self.put(key, None if values[0] is None else Stamped(values[0], self._at))
+        if len(values) > 1:
+            dict.pop(self, key)
+            self.among[key] = values
+
+    def forget(self, key: str) -> None:
+        """Have a key be anything, until someone looks."""
+        self.among.pop(key, None)
+        dict.pop(self, key, None)
 
     def refill(self, entries: Mapping[str, Any], others: Mapping[str, Any] = {}) -> None:
         """Have these and no others; objects become its own."""
         dict.clear(self)
+        self.among.clear()
         dict.update(self, others)
         dict.update(self, entries)
         for key, entry in entries.items():
-            if entry is not None and entry.__class__ is Stamped and isinstance(entry[0], OpenFields):
-                dict.__setitem__(self, key, Stamped(entry[0].fresh(), self._at))
+            if entry is not None and entry.__class__ is Stamped:
+                value = entry[0]
+                if value.__class__ is AnyOf:
+                    self.leave(key, value)
+                elif isinstance(value, OpenFields):
+                    dict.__setitem__(self, key, Stamped(value.fresh(), self._at))
 
     def __setitem__(self, key: str, entry: Any) -> None:
         if key not in self.looked:
             self.replaced.add(key)
+        self.among.pop(key, None)
         value = entry[0]
         if isinstance(value, OpenFields) and key not in self.open_keys:  # a copy keeps what the original changes
             entry = Stamped(value.whole(), self._at)

@@ -6,7 +6,7 @@ Rule: nothing is chosen before a rule looks at it; what is assumed of the robot 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -71,8 +71,6 @@ class OpenWorld:
         """Some of them grow stale."""
         self.shapes = {name: shape for name in sorted(self.fleeting) if (shape := self._shape(name)) is not None}
         """Objects that are known field by field, or question by question."""
-        self.wavering: dict[str, Any] = {}
-        """Key → what it was until this instant, at which it may go stale."""
         self.board = OpenBoard(self.open_keys, self._value, NOW)
         for name, entry in state.board.items():
             if name not in self.open_keys:
@@ -106,15 +104,19 @@ class OpenWorld:
     # -- what is free ---------------------------------------------------------------------------------------------
 
     def _value(self, key: str) -> Any:
-        if key in self.wavering:
-            return self.choices.pick((self.wavering.pop(key), None))
+        if key in self.board.among:
+            return self.choices.pick(self.board.among.pop(key))
         shape = self.shapes.get(key)
         if shape is not None:
             can_lack = None in self.values.of(key)
             return None if can_lack and self.choices.choose(2) == 0 else shape.fresh({})
         if self._chart.mission.blackboard[key].type == "list":
             return self._list(key)
-        return self.choices.pick(self.chosen.get(key) or self.values.of(key))
+        return self.choices.pick(self.distinct(key))
+
+    def distinct(self, key: str) -> Sequence[Any]:
+        """The values of which a look finds one."""
+        return self.chosen.get(key) or self.values.of(key)
 
     def _distinguished(self) -> dict[str, tuple[Any, ...]]:
         """The values of keys, of those that are alike to all that is asked of a key the first alone.

@@ -219,7 +219,6 @@ class StateCodec:
             state.goals = store.ledger | state.goals
         self._chart.state = state
         self.groups = dict(saved.groups) if saved.groups else {}
-        self._world.wavering.clear()
 
     # -- what distinguishes states ----------------------------------------------------------------------------------
 

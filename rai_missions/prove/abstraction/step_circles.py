@@ -171,7 +171,6 @@ class StepCircles:
     def _draft(self, state: RunState) -> tuple[Any, ...]:
         draft = state.draft
         return (
-            sorted(self._world.wavering),
             [(name, rounds.spent) for name, rounds in sorted(draft.tree_rounds.items())],
             [
                 (each.name, each.source.name if each.source else "", each.is_late, str(each.data))

@@ -20,8 +20,9 @@ from rai_missions.states.transition import Transition
 from rai_missions.states.tree.decorators import EternalGuard
 from rai_missions.states.tree.leaves import CheckLeaf
 
-__all__ = ("questions",)
+__all__ = ("parts_about", "questions")
 
+NONE: frozenset[str] = frozenset()
 TRUE_OR_NOT = Transition, Option, CheckLeaf, EternalGuard
 """The kinds of whose guards it only counts whether they are true; of the invariants, whether they are false."""
 
@@ -44,6 +45,12 @@ def questions(value: Any, keys: Iterable[str]) -> dict[str, list[tuple[Guard, Tr
     return {key: found for key, found in reading.items() if all(_is_alone(guard, key) for guard, _ in found)}
 
 
+def parts_about(guard: Guard, key: str, steady: frozenset[str]) -> list[Guard] | None:
+    """The parts of a guard that read one key, and otherwise only such as are steady; None where another part does."""
+    found = [part for part, _ in _asked(guard, key, None, steady)]
+    return found if all(_is_alone(part, key, steady) for part in found) else None
+
+
 def _outermost(value: Any, counts: Truth = None) -> Iterator[tuple[Guard, Truth]]:
     """The guards that are in no other, and which of their values counts."""
     if isinstance(value, Guard):
@@ -54,21 +61,21 @@ def _outermost(value: Any, counts: Truth = None) -> Iterator[tuple[Guard, Truth]
         yield from _outermost(part, counts)
 
 
-def _asked(guard: Guard, key: str, counts: Truth) -> Iterator[tuple[Guard, Truth]]:
+def _asked(guard: Guard, key: str, counts: Truth, steady: frozenset[str] = NONE) -> Iterator[tuple[Guard, Truth]]:
     """The outermost parts of a guard that read a key alone; what is no part of another is one in any case."""
     inner = list(guard.inner())
-    if _is_alone(guard, key) or not inner:
+    if _is_alone(guard, key, steady) or not inner:
         yield guard, counts
         return
-    for each in _together(guard, key):
+    for each in _together(guard, key, steady):
         if key in _about(each):
-            yield from _asked(each, key, guard.counts_inside(counts))
+            yield from _asked(each, key, guard.counts_inside(counts), steady)
 
 
-def _together(guard: Guard, key: str) -> Iterator[Guard]:
+def _together(guard: Guard, key: str, steady: frozenset[str]) -> Iterator[Guard]:
     """What a guard is made of; of an `all` or `any` those that read a key alone are one."""
     inner = list(guard.inner())
-    alone = [each for each in inner if key in _about(each) and _is_alone(each, key)]
+    alone = [each for each in inner if key in _about(each) and _is_alone(each, key, steady)]
     if len(alone) > 1 and isinstance(guard, All | Any_):
         yield made(guard.word, **{guard.word: alone})
         inner = [each for each in inner if each not in alone]
@@ -90,13 +97,13 @@ def _read(part: MissionModel) -> frozenset[str]:
     return frozenset(name.partition(".")[0] for refers, name, _ in part.references() if refers.sort in ("path", "key"))
 
 
-def _is_alone(guard: Guard, key: str) -> bool:
-    """Whether it is true or not by this key's value alone: by no other, by no time and by no state."""
+def _is_alone(guard: Guard, key: str, steady: frozenset[str] = NONE) -> bool:
+    """Whether it is true or not by this key's value, and by steady ones: by no other, by no time and by no state."""
     return all(
         not each.held_s
         and each.age_s is None
         and not each.states()
         and not each.predicates()
-        and all(path.partition(".")[0] == key for path in each.paths())
+        and all((root := path.partition(".")[0]) == key or root in steady for path in each.paths())
         for each in guard.walk()
     )

@@ -23,6 +23,7 @@ from rai_missions.engine.semantics.handover import is_kept, receive_control
 from rai_missions.engine.semantics.stepping import begin_run
 from rai_missions.engine.state import RunState
 from rai_missions.event import Event
+from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.abstraction.abstraction import Abstraction
 from rai_missions.prove.abstraction.control_env import ControlEnvironment, control_event
@@ -232,9 +233,9 @@ class Environment:
         board, state = self.world.board, self.chart.state
         for key in sorted(state.listening):
             now = board.known(key)
-            known = board.is_known(key)
+            alike = board.among.get(key) or ((None if now is None else now.value,) if board.is_known(key) else ())
             for value in self._others(key, now):
-                if known and value == (None if now is None else now.value):
+                if value in alike:
                     continue
                 if value is None:
                     yield self._goes_stale(key)
@@ -272,13 +273,14 @@ class Environment:
     def _report(self, key: str, value: Any) -> Callable[[], None]:
         def happen() -> None:
             made = value.fresh() if isinstance(value, OpenFields) else value
+            if alike := self.world.board.among.get(key):  # that it changes is all that a step finds out of these
+                self.world.board.put(key, Stamped(alike[0], NOW))
             self.inputs.handle(Event(key, NOW, {"value": made}, "write"))
 
         return happen
 
     def _forget_it(self, key: str) -> Callable[[], None]:
         def change() -> None:
-            self.world.wavering.pop(key, None)
             self.world.board.put(key, None)
 
         return change

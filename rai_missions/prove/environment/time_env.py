@@ -7,7 +7,7 @@ Rule: what is known may go stale at the instant at which something else runs out
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from typing import Any
 
 from rai_missions.engine import Chart
@@ -19,7 +19,7 @@ from rai_missions.engine.state import RunState
 from rai_missions.prove.abstraction.abstraction import PURSUED, Abstraction
 from rai_missions.prove.abstraction.activity_key import timer_key
 from rai_missions.prove.abstraction.instruments import Instruments
-from rai_missions.prove.abstraction.nondeterminism import MISSING
+from rai_missions.prove.abstraction.nondeterminism import MISSING, AnyOf
 from rai_missions.prove.abstraction.open_world import NOW, OpenWorld
 from rai_missions.prove.abstraction.state_key import StateCodec
 from rai_missions.prove.analysis.branches import firsts, parted, passed
@@ -121,24 +121,23 @@ class TimeEnvironment:
             before = self._waver(beyond)
             change()
             self.time_passes(*woken)
-            gone = [key for key in before if key not in self._world.wavering and self._world.board.known(key) is None]
-            for key in self._world.wavering:
-                self._world.board.put(key, before[key])
-            self._world.wavering.clear()
+            board = self._world.board
+            gone = [key for key in before if board.known(key) is None]
+            for key in before.keys() & board.among.keys():
+                board.leave(key, before[key])
             if gone and self._state.mode != "ended":
                 self._state.draft.news.update(dict.fromkeys(gone, ""))
                 self.time_passes(*self._readers(gone))
 
         return happen
 
-    def _waver(self, beyond: str) -> dict[str, Any]:
+    def _waver(self, beyond: str) -> dict[str, Sequence[Any]]:
         """Have every key that can go stale do so at this instant or not, when someone looks."""
-        before: dict[str, Any] = {}
-        for key, entry in list(self._world.board.entries()):
+        before, board = dict[str, Sequence[Any]](), self._world.board
+        for key, entry in list(board.entries()):
             if entry is not None and key > beyond and key in self._world.passing:
-                before[key] = entry
-                self._world.wavering[key] = entry.value
-                self._world.board.pop(key)
+                before[key] = entry.value if isinstance(entry.value, AnyOf) else (entry.value,)
+                board.leave(key, (*before[key], None))
         return before
 
     def _readers(self, keys: Iterable[str]) -> list[str]:

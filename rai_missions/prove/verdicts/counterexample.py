@@ -18,7 +18,7 @@ from rai_missions.event import Event, Tick
 from rai_missions.guards.view import Truth
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.abstraction.abstraction import PURSUED
-from rai_missions.prove.abstraction.nondeterminism import OpenFields
+from rai_missions.prove.abstraction.nondeterminism import AnyOf, OpenFields
 from rai_missions.prove.abstraction.store import LEFT
 from rai_missions.prove.analysis.parts import guards_in
 from rai_missions.prove.environment.environment import Environment
@@ -70,9 +70,9 @@ def scenes(space: Space, claim: Property) -> list[TraceStep]:
     """What happens on the shortest way to where a claim is refuted."""
     environment = space.environment
     environment.load(space.fresh)
-    found = []
+    found: list[TraceStep] = []
     for each in ways_to(space, claim):
-        scene = _scene(environment, each)
+        scene = _scene(environment, each, found[-1].facts if found else {})
         environment.settle()  # it may choose more of what an answer brings
         found.append(scene._replace(event=environment.inputs.example))
         environment.load(environment.codec.place())
@@ -107,21 +107,24 @@ def go(environment: Environment, way: Edge) -> tuple[str, str]:
     return owner, happening.stale
 
 
-def _scene(environment: Environment, way: Edge) -> TraceStep:
+def _scene(environment: Environment, way: Edge, before: Mapping[str, Any]) -> TraceStep:
     owner, stale = go(environment, way)
     chart, world = environment.chart, environment.world
     looked = chart.state.draft.looked
     values = {place[6:]: value for place, value in looked if place.startswith("named:")}
     is_possible = world.is_possible  # it may look at more
     assert is_possible
-    facts = {name: _plain(entry) for name, entry in world.board.entries() if name in world.open_keys}
+    facts = {name: _plain(entry, before.get(name)) for name, entry in world.board.entries() if name in world.open_keys}
     event, found = environment.inputs.example, environment.control.found
     ended = chart.outcome, chart.why, chart.cause, chart.false_invariant
     return TraceStep(way.words, event, owner, stale, facts, found, values, chart.active, *ended)
 
 
-def _plain(entry: Any) -> Any:
+def _plain(entry: Any, before: Any) -> Any:
+    """A value that it can have: where it has one of several, what it was before, if that is one."""
     value = None if entry is None else entry.value
+    if isinstance(value, AnyOf):
+        return before if before in value else value[0]
     if isinstance(value, OpenFields):
         return value.example()
     return value
