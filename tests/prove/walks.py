@@ -191,11 +191,12 @@ class Walk:
     Args:
         mission: The mission.
         seed: Of what happens.
+        chart: The chart, if not one of a robot of which nothing is known.
     """
 
-    def __init__(self, mission: Mission, seed: int) -> None:
+    def __init__(self, mission: Mission, seed: int, chart: Chart | None = None) -> None:
         self.mission, self.r = mission, random.Random(seed)
-        self.chart = Chart(mission)
+        self.chart = chart if chart is not None else Chart(mission)
         self.goals: dict[int, bool] = {}
         """Number of a goal that has not ended → whether it was asked to end, or is as soon as it is accepted."""
         self.calls: list[int] = []

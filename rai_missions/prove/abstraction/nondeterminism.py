@@ -210,7 +210,7 @@ class OpenBoard(AskedBoard):
         if key in self.counters:
             self._count_look(key, found)
         if found is MISSING:
-            if key not in self.open_keys:
+            if key not in self.open_keys and key not in self.among:
                 return default
             value = self._choose(key)
             found = None if value is None else Stamped(value, self._at)

@@ -65,9 +65,11 @@ class OpenWorld:
         """The keys that the robot must report again and again."""
         self.open_keys = self.fleeting | {name for name, key in keys.items() if key.source == "argument"}
         """The keys that can have any value at the start."""
+        self.fading = frozenset(name for name, key in keys.items() if key.max_age_s is not None)
+        """The keys that may go stale, whichever their source."""
         self.own_keys = frozenset(keys) - self.open_keys
         """The keys that only the mission, answers and results write."""
-        self.own_fade = any(keys[key].max_age_s is not None for key in self.own_keys)
+        self.own_fade = not self.own_keys.isdisjoint(self.fading)
         """Some of them grow stale."""
         self.shapes = {name: shape for name in sorted(self.fleeting) if (shape := self._shape(name)) is not None}
         """Objects that are known field by field, or question by question."""

@@ -191,7 +191,7 @@ class StepCircles:
         found, bounds, idle = [], self._rest.saturating, self._rest.idle
         for key, entry in self._world.own().items():
             value: Any = None if entry is None else plain(entry[0])
-            if key in bounds and entry is not None:
+            if key in bounds and isinstance(value, int | float):
                 low, high = bounds[key]
                 value = min(max(value, low), high)
             found.append((key, None if key in idle else value))

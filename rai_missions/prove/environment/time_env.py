@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from typing import Any
+from functools import partial
+from typing import Any, Literal, NamedTuple
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.decision import DecisionActivity
@@ -29,6 +30,15 @@ from rai_missions.prove.stimulus import Stimulus
 __all__ = ("TimeEnvironment",)
 
 LONG_AGO = 0.0
+
+
+class Span(NamedTuple):
+    """A time that a guard counts, and that is not over."""
+
+    kind: Literal["age", "held"]
+    """Whether a state counts it, or a guard that has been true without a break."""
+    name: str
+    """The state, or where the guard's time is remembered."""
 
 
 class TimeEnvironment:
@@ -108,20 +118,31 @@ class TimeEnvironment:
         self._chart.state.draft.due = frozenset(woken)
         pass_instant(self._chart.program, self._state)
 
-    def elapse(self, change: Callable[[], None], *woken: str, beyond: str = "") -> Callable[[], None]:
-        """Time passes until something has run out; what is known may go stale at the same instant.
+    def elapse(
+        self, change: Callable[[], None], *woken: str, beyond: str = "", after: Span | None = None
+    ) -> Callable[[], None]:
+        """Time passes until something has run out; at the same instant spans may end, and what is known go stale.
+
+        Why each of these orders is enough. A run handles an instant as a whole: timers find the ages, held guards and
+        stale keys of that instant, and rules that wait for several of these find them together. What comes at once is
+        tried in one order: timers and the like with all others, a span with the later ones and with keys, a key with
+        the later ones. Two timers are taken one after the other in a run as well.
 
         Args:
             change: What has run out.
             woken: The states whose machines learn that time has passed.
             beyond: Only keys that come after this: that one before it goes stale too happens when that one does.
+            after: The span that has ended: only those that come after it; none where a key has gone stale.
         """
 
         def happen() -> None:
+            board = self._world.board
             before = self._waver(beyond)
+            for span in self._spans_after(after) if not beyond else ():
+                if self._world.choices.choose(2):
+                    self._end_span(span)
             change()
             self.time_passes(*woken)
-            board = self._world.board
             gone = [key for key in before if board.known(key) is None]
             for key in before.keys() & board.among.keys():
                 board.leave(key, before[key])
@@ -131,11 +152,31 @@ class TimeEnvironment:
 
         return happen
 
+    def _running_spans(self) -> list[Span]:
+        """What the guards of states that are not held count, and has not come to its end."""
+        state, graph = self._state, self._chart.program.graph
+        ages = [name for name in self._codec.aging if not (name and is_held(state, graph.nodes[name]))]
+        helds = [memory for memory, since in sorted(state.true_since.items()) if since == NOW]
+        return [
+            *(Span("age", name) for name in ages),
+            *(Span("held", memory) for memory in helds if graph.held_owners[memory].control not in state.frozen),
+        ]
+
+    def _spans_after(self, span: Span | None) -> list[Span]:
+        spans = self._running_spans()
+        return spans[spans.index(span) + 1 :] if span is not None else spans
+
+    def _end_span(self, span: Span) -> None:
+        if span.kind == "held":
+            self._state.true_since[span.name] = LONG_AGO
+        elif (age := self._codec.next_age(span.name)) is not None:
+            self._codec.grow_old(span.name, age)
+
     def _waver(self, beyond: str) -> dict[str, Sequence[Any]]:
         """Have every key that can go stale do so at this instant or not, when someone looks."""
         before, board = dict[str, Sequence[Any]](), self._world.board
         for key, entry in list(board.entries()):
-            if entry is not None and key > beyond and key in self._world.passing:
+            if entry is not None and key > beyond and key in self._world.fading:
                 before[key] = entry.value if isinstance(entry.value, AnyOf) else (entry.value,)
                 board.leave(key, (*before[key], None))
         return before
@@ -150,7 +191,8 @@ class TimeEnvironment:
         ]
 
     def times(self) -> Iterator[Stimulus]:
-        """Each thing that waits for time gets it, in any order."""
+        """Each thing that waits for time gets it, in any order; spans alone come before what may end with them."""
+        yield from self._ages()
         for key, timer in sorted(self._state.timers.items(), key=lambda each: timer_key(*each)):
             if self._comes_later(key) or timer.control in self._state.frozen:
                 continue
@@ -173,7 +215,6 @@ class TimeEnvironment:
             yield Stimulus("time passes at the end", "time", self.elapse(lambda: None))
         if self._state.cancel_by != math.inf:
             yield Stimulus("the cancel takes too long", "time", self.elapse(self._too_long))
-        yield from self._ages()
 
     def _settling_now(self) -> list[str]:
         """The finals that settle, but for those of held states."""
@@ -193,17 +234,16 @@ class TimeEnvironment:
                 yield Stimulus(words, "time", orphan, timer=(("goal", ""), goal.number), is_of_goal=True)
 
     def _ages(self) -> Iterator[Stimulus]:
-        for name in self._codec.aging:
-            if name and is_held(self._state, self._chart.program.graph.nodes[name]):
-                continue
-            words = f"'{name or 'the mission'}' has lasted {self._codec.next_age(name):g} s"
-            aged = self.elapse(self._aged(name), *self._state.running)
-            yield Stimulus(words, "time", aged, owner=name, is_tick=True)
-        for memory, since in sorted(self._state.true_since.items()):
-            keeper = self._chart.program.graph.held_owners[memory]
-            if since == NOW and keeper.control not in self._state.frozen:
-                words = f"the guard of {memory.partition('#')[0]} has held for long enough"
-                yield Stimulus(words, "time", self._dated("true_since", memory, LONG_AGO), owner=keeper.name)
+        for span in self._running_spans():
+            name = span.name
+            if span.kind == "age":
+                words = f"'{name or 'the mission'}' has lasted {self._codec.next_age(name):g} s"
+                aged = self.elapse(partial(self._end_span, span), *self._state.running, after=span)
+                yield Stimulus(words, "time", aged, owner=name, is_tick=True)
+            else:
+                words = f"the guard of {name.partition('#')[0]} has held for long enough"
+                held = self.elapse(partial(self._end_span, span), after=span)
+                yield Stimulus(words, "time", held, owner=self._chart.program.graph.held_owners[name].name)
 
     def machine_times(self) -> Iterator[Stimulus]:
         for name, path, state in list(self._inputs.inner()):
@@ -280,11 +320,6 @@ class TimeEnvironment:
             goals[number] = goals[number]._replace(until=NOW)
 
         return change
-
-    def _aged(self, name: str) -> Callable[[], None]:
-        age = self._codec.next_age(name)
-        assert age is not None
-        return lambda: self._codec.grow_old(name, age)
 
     def _leaf_over(self, name: str, path: str) -> Callable[[], None]:
         def change() -> None:

@@ -206,7 +206,10 @@ class RegionParts:
             yield from machine.reads(activity)
             if isinstance(activity, TreeActivity):
                 yield from self._keys_of(name)
-        if any(key in self._world.passing and entry is not None for key, entry in fields.get("board", {}).items()):
+        can_fade = any(
+            key in self._world.passing and entry is not None for key, entry in fields.get("board", {}).items()
+        )
+        if can_fade or fields.get("entered") or fields.get("true_since"):
             yield TIME
 
     def _keys_of(self, name: str) -> Iterable[str]:

@@ -32,7 +32,7 @@ from rai_missions.states.tree.leaves import ActionLeaf
 __all__ = ("OUTSIDE", "TIME", "RegionGroups", "Regions")
 
 TIME = "#time"
-"""Something may go stale at the instant at which something else has expired."""
+"""Something may go stale, or have lasted for long enough, at the instant at which something else has expired."""
 ANY_KEY = "*"
 OUTSIDE, OF_GOALS = -1, -2
 """In place of a group: what concerns the mission around the regions, and goals that nothing pursues."""
