@@ -384,11 +384,20 @@ def test_a_yes_that_may_be_a_question_itself_has_the_order_read_back_again(asked
     assert ordered == [[], [], ["cancel"]]
 
 
+@pytest.mark.parametrize("text", ["stop @tractor", "please stop @tractor!", "@tractor stop", "stop, @tractor"])
+def test_a_stop_to_a_robot_that_is_mentioned_is_no_stop_at_a_place(text: str) -> None:
+    view = RUNNING._replace(robot="tractor")
+    outputs = Dialogue(view=view).on_utterance(Utterance(text, "person", "topic"), view)
+    assert [each.name for each in outputs if isinstance(each, Order)] == ["stop"]
+
+
 @given(
     st.sampled_from(["rover", "R2D", "Spot-", "arm_", "turtlebot", "Robo "]),
     st.integers(0, 30).map(str),
     st.sampled_from(["", "_xl", " east", ", simulated"]),
-    st.sampled_from(["{}, pause", "{} pause", "pause, {}", "{}, please pause", "hey {}, pause"]),
+    st.sampled_from(
+        ["{}, pause", "{} pause", "pause, {}", "{}, please pause", "hey {}, pause", "@{} pause", "pause @{}"]
+    ),
 )
 @settings(max_examples=40)
 def test_a_robot_is_addressed_by_its_name_whatever_digits_and_marks_are_in_it(

@@ -125,8 +125,9 @@ class Normaliser:
         return self.words_in(readable(text))
 
     def _words_of(self, names: tuple[str, ...]) -> list[list[str]]:
-        """How a robot is called, in words as its sentences have them: `rover2` is two."""
-        return [words for name in names if (words := self.words(name))]
+        """How a robot is called, in words as its sentences have them: `rover2` is two; a mention, `@rover`, as well."""
+        called = [words for name in names if (words := self.words(name))]
+        return [[*self.words("@"), *words] for words in called] + called
 
     def words_in(self, text: str) -> list[str]:
         """The words of a text that is `readable`."""
