@@ -107,20 +107,24 @@ class Goals:
 
         self._end_unsure(lost, answered)
 
-    def _send(self, entry: ActionEntry, effect: StartGoal, *, is_again: bool = False) -> None:
-        """Send a goal; one that is sent again may have been accepted meanwhile, and its server takes no id twice."""
+    def _send(self, entry: ActionEntry, effect: StartGoal, on_report: OnReport | None = None) -> None:
         assert self._connector is not None and entry.action is not None
         goal = entry.goal_of(effect.goal)
-        goal_id, on_report = self._sent(entry, effect)
+        goal_id, own = self._sent(entry, effect)
+        self._connector.send_goal(entry.action, entry.type, goal, goal_id=goal_id, on_report=on_report or own)
+
+    def _send_again(self, entry: ActionEntry, effect: StartGoal) -> None:
+        """Send a goal that may have been accepted meanwhile: its server takes no id twice."""
+        _, on_report = self._sent(entry, effect)
 
         def report(received: Report) -> None:
-            if is_again and received.status == "rejected":
+            if received.status == "rejected":
                 look = partial(self._look_for, entry, effect, on_report, lambda _lost: on_report(received))
                 self._or_give_up(effect, look)
             else:
                 on_report(received)
 
-        self._connector.send_goal(entry.action, entry.type, goal, goal_id=goal_id, on_report=report)
+        self._send(entry, effect, report)
 
     def resume(self, effect: StartGoal, *, accepted: bool, on_doubt: Callable[[], None]) -> None:
         """Continue with a goal that an earlier process was to send.
@@ -157,7 +161,7 @@ class Goals:
             if effect.number in self._unwanted:
                 self._end(effect.number, "canceled", {})
             else:
-                self._send(entry, effect, is_again=True)
+                self._send_again(entry, effect)
 
         if accepted and not entry.repeat:
             self._connector.find_goal(entry.action, entry.type, goal_id=goal_id, on_report=on_report)
