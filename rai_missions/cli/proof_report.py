@@ -75,17 +75,17 @@ def write_journals(proof: Proof, mission: Mission, robot: Robot | None, output: 
         from rai_missions.profile import dump_profile, robot_facts  # few proofs need it, and it takes 20 ms
 
         profile, facts = dump_profile(robot), robot_facts(robot)
-    for name, scenes in proof.ways.items():
+    for name, trace in proof.ways.items():
         arguments = {
             key: value
-            for scene in scenes[:1]
-            for key, value in scene.facts.items()
+            for traced in trace[:1]
+            for key, value in traced.facts.items()
             if mission.blackboard[key].source == "argument"
         }
         header = Header(journal_text(mission), profile, arguments, versions=mission.packages())
         path = _path(output, mission, name, only=len(proof.ways) == 1)
         try:
-            shows = record(path, header, mission, scenes, robot_facts=facts)
+            shows = record(path, header, mission, trace, robot_facts=facts)
         except (UsageError, ConnectorError) as error:
             written[name] = {"journal": None, "unwritten": str(error)}
         else:
@@ -145,16 +145,16 @@ def _covered(proof: Proof) -> Iterable[str]:
         yield f"{word}: {', '.join(names) or 'none'}"
 
 
-def _refutation(sentence: str, scenes: Iterable[Any], journal: dict[str, Any] | None) -> Iterable[str]:
+def _refutation(sentence: str, trace: Iterable[Any], journal: dict[str, Any] | None) -> Iterable[str]:
     yield f"      {sentence}"
     before: frozenset[str] = frozenset()
-    for number, scene in enumerate(scenes, 1):
-        ends = f"{scene.outcome}: {scene.why}" if scene.outcome else ", ".join(sorted(scene.active - before))
-        facts = [f"{key} {_exact(value)}" for key, value in sorted(scene.facts.items())]
-        known = ", ".join(([f"control is with {scene.control.name}"] if scene.control is not None else []) + facts)
-        happens = scene.words + _brought(scene.event)
+    for number, traced in enumerate(trace, 1):
+        ends = f"{traced.outcome}: {traced.why}" if traced.outcome else ", ".join(sorted(traced.active - before))
+        facts = [f"{key} {_exact(value)}" for key, value in sorted(traced.facts.items())]
+        known = ", ".join(([f"control is with {traced.control.name}"] if traced.control is not None else []) + facts)
+        happens = traced.words + _brought(traced.event)
         yield f"      {number}. {happens}" + (f"  → {ends}" if ends else "") + (f"  [{known}]" if known else "")
-        before = scene.active
+        before = traced.active
     if journal is not None and journal["journal"] is None:
         yield f"      {journal['unwritten']}"
     elif journal is not None:
@@ -204,13 +204,13 @@ def as_json(mission: Mission, proof: Proof, journals: dict[str, Any]) -> dict[st
             "sentence": each.sentence,
             "run": [
                 {
-                    "happens": scene.words,
-                    "facts": plain(scene.facts),
-                    "active": sorted(scene.active),
-                    "outcome": scene.outcome,
-                    "why": scene.why,
+                    "happens": traced.words,
+                    "facts": plain(traced.facts),
+                    "active": sorted(traced.active),
+                    "outcome": traced.outcome,
+                    "why": traced.why,
                 }
-                for scene in proof.ways.get(each.name, ())
+                for traced in proof.ways.get(each.name, ())
             ],
             **journals.get(each.name, {}),
         }

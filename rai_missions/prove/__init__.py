@@ -26,7 +26,7 @@ from rai_missions.prove.environment.environment import Environment
 from rai_missions.prove.exploration.explorer import Space
 from rai_missions.prove.limits import MOST_STATES, Limits, Stopped
 from rai_missions.prove.verdicts.circles import circling
-from rai_missions.prove.verdicts.counterexample import TraceReplayer, TraceStep, scenes, ways_to
+from rai_missions.prove.verdicts.counterexample import TraceReplayer, TraceStep, trace, ways_to
 from rai_missions.prove.verdicts.properties import CLAIMS, Property, claims, lost, stuck
 from rai_missions.prove.verdicts.unrolled import repeated, unrolled
 from rai_missions.redaction import shown
@@ -225,7 +225,7 @@ class _ProofRun:
 
     def _run_of(self, space: Space, claim: Property) -> list[TraceStep] | None:
         """The shortest run to where a claim is refuted, with all the rounds of its loops; None where it has no such."""
-        run = scenes(space, claim)
+        run = trace(space, claim)
         if not self._rounds:
             return run
         few, every = (

@@ -17,7 +17,7 @@ from rai_missions.prove.environment.environment import Environment
 from rai_missions.prove.exploration.explorer import Space
 from rai_missions.prove.limits import Limits
 from rai_missions.prove.verdicts.circles import circling
-from rai_missions.prove.verdicts.counterexample import scenes
+from rai_missions.prove.verdicts.counterexample import trace
 from rai_missions.prove.verdicts.properties import claims, lost, stuck
 from tests.prove.connected import CONNECTED, among_others, region
 from tests.prove.connected import mission as connected
@@ -75,7 +75,7 @@ def hold_against_full(document: Json, facts: RobotFacts) -> tuple[int, int] | No
         assert shown[name] == each, name
     for claim in claims(mission, parts):
         if claim.has_run:
-            scenes(parts, claim)  # each step of the run is one that the mission makes
+            trace(parts, claim)  # each step of the run is one that the mission makes
     return full.made, parts.made
 
 
@@ -102,7 +102,7 @@ def hold_one_by_one(document: Json) -> tuple[int, int] | None:
     assert sorted(one.ends.values()) == sorted(full.ends.values())
     for claim in claims(mission, one):
         if claim.has_run:
-            scenes(one, claim)
+            trace(one, claim)
     return one.covered[0], one.states
 
 

@@ -41,7 +41,7 @@ from rai_missions.prove.stimulus import CANCEL, START, Stimulus
 __all__ = ("Edge", "Space")
 
 NOW_AND_THEN = 100
-MOST_COURSES = 20_000
+MOST_CORES = 20_000
 """States that are remembered with all that happened in them."""
 OnProgress = Callable[[int, int], None]
 
@@ -51,7 +51,7 @@ class CoreCases(NamedTuple):
 
     saved: SavedState
     """The first of these states: the others differ from it in their stores alone."""
-    scenes: Sequence[StepCase]
+    cases: Sequence[StepCase]
     timed: Sequence[StepCase]
     """What of it waits for time."""
     caches: Sequence[StepCache]
@@ -109,7 +109,7 @@ class Space(StateGraph):
         """Number of a state, its core and the state itself, or neither and its code; its store."""
         self._has_stores = False
         """States can differ in their stores alone."""
-        self._courses: dict[bytes, CoreCases] = {}
+        self._cores: dict[bytes, CoreCases] = {}
         """Core, or core and goals, → what can happen there, and what came of it."""
         self._words_here: Sequence[frozenset[str]] = ()
         """What waits for time in each part of the state that is left, where it is taken apart."""
@@ -198,37 +198,37 @@ class Space(StateGraph):
         store = place.store
         with_goals = core + self._every_goal.of(store) if store.goals else core
         inside = self._known.get(with_goals)
-        course = inside.whole.find(store) if inside is not None else None
-        if inside is not None and course is not None and self.meter.has_room(course.steps):
+        cached = inside.whole.find(store) if inside is not None else None
+        if inside is not None and cached is not None and self.meter.has_room(cached.steps):
             self.note_waiting(number, inside.waiting)
             self._goal_words = inside.goal_words
-            self.again(course, number, store)
+            self.again(cached, number, store)
             return
-        known = self._courses.get(core)
+        known = self._cores.get(core)
         if known is None:
             self.findings.stop(number, place)
-            known = self._cases(core, place.saved, self._every_scene(number, place))
+            known = self._core_cases(core, place.saved, self._every_case(number, place))
         else:
             place = Place(known.saved, store)
-        more = self._courses.get(with_goals) if store.goals else CoreCases(known.saved, (), (), ())
-        more = more if more is not None else self._cases(with_goals, known.saved, self._of_goals(place))
+        more = self._cores.get(with_goals) if store.goals else CoreCases(known.saved, (), (), ())
+        more = more if more is not None else self._core_cases(with_goals, known.saved, self._of_goals(place))
         here = StepOrigin(number, place, known.timed, more.timed)
         inside = self._known_core(here, with_goals)
-        courses: list[CachedStep] = []
-        scenes, caches = (*known.scenes, *more.scenes), (*known.caches, *more.caches)
-        for scene, cache in zip(scenes, caches, strict=True):
+        cached_steps: list[CachedStep] = []
+        cases, caches = (*known.cases, *more.cases), (*known.caches, *more.caches)
+        for case, cache in zip(cases, caches, strict=True):
             if self.is_over:
                 self.cut.add(number)
                 return
-            course = cache.whole.find(store)
-            if course is not None:
-                self.again(course, number, store)
+            cached = cache.whole.find(store)
+            if cached is not None:
+                self.again(cached, number, store)
             else:
-                course = self.each_way(scene, here, cache)
+                cached = self.each_way(case, here, cache)
             if self._has_stores:
-                courses.append(course)
-        if courses:
-            whole = joined(courses)
+                cached_steps.append(cached)
+        if cached_steps:
+            whole = joined(cached_steps)
             inside.whole.add(self._stores.question(whole.asked), store, whole)
 
     def _known_core(self, here: StepOrigin, place: bytes) -> KnownCore:
@@ -241,14 +241,14 @@ class Space(StateGraph):
             self._known[place] = inside
         return inside
 
-    def scenes(self, number: int, place: Place) -> tuple[list[StepCase], list[StepCase]]:
+    def cases(self, number: int, place: Place) -> tuple[list[StepCase], list[StepCase]]:
         """Everything that can happen there but an e-stop; what is about goals that nothing pursues apart."""
-        return self._every_scene(number, place), self._of_goals(place)
+        return self._every_case(number, place), self._of_goals(place)
 
-    def _every_scene(self, number: int, place: Place) -> list[StepCase]:
+    def _every_case(self, number: int, place: Place) -> list[StepCase]:
         """Everything that can happen there but an e-stop, and what is about goals that nothing pursues."""
         self.environment.load(place)
-        found = _scenes(self.environment.happenings())
+        found = _cases(self.environment.happenings())
         if number not in self.canceling:
             order = self.environment.ordering("cancel")
             found.append(StepCase(Stimulus(CANCEL, "command", order, is_cancel=True), -1))
@@ -257,26 +257,26 @@ class Space(StateGraph):
     def _of_goals(self, place: Place) -> list[StepCase]:
         """What can happen there on account of goals that nothing pursues."""
         self.environment.load(place)
-        return _scenes(self.environment.of_goals())
+        return _cases(self.environment.of_goals())
 
-    def _cases(self, place: bytes, saved: SavedState, scenes: list[StepCase]) -> CoreCases:
+    def _core_cases(self, place: bytes, saved: SavedState, cases: list[StepCase]) -> CoreCases:
         """Room for what comes of what happens in a place; it is not kept where nothing can be found there again."""
-        cases = CoreCases(saved, scenes, _timed(scenes), [StepCache() for _ in scenes])
+        made = CoreCases(saved, cases, _timed(cases), [StepCache() for _ in cases])
         if self._has_stores:
-            if len(self._courses) >= MOST_COURSES:
-                self._courses.clear()
+            if len(self._cores) >= MOST_CORES:
+                self._cores.clear()
                 self._known.clear()
-            self._courses[place] = cases
-        return cases
+            self._cores[place] = made
+        return made
 
-    def again(self, course: CachedStep, source: int, store: Store, spot: PartNumbers | None = None) -> None:
+    def again(self, cached: CachedStep, source: int, store: Store, spot: PartNumbers | None = None) -> None:
         """Repeat a cached step in a state that differs in its store alone, or in parts that make no difference."""
-        self.steps += course.steps
-        self.meter.spend(course.steps, self.states)
-        for arrival in course.arrivals:
+        self.steps += cached.steps
+        self.meter.spend(cached.steps, self.states)
+        for arrival in cached.arrivals:
             self._arrive(source, arrival, store, spot)
 
-    def each_way(self, scene: StepCase, here: StepOrigin, before: StepCache, view: PartsView = WHOLE) -> CachedStep:
+    def each_way(self, case: StepCase, here: StepOrigin, before: StepCache, view: PartsView = WHOLE) -> CachedStep:
         """Let it happen in each way in which it can; those that went so before are not gone again."""
         store, arrivals, steps, asked = here.place.store, [], 0, set[object]()
         footprint = NOTHING
@@ -287,7 +287,7 @@ class Space(StateGraph):
             ways = before.ways.get(chosen)
             made = ways.find(store, view) if ways is not None else None
             if made is None:
-                made, work = self._maker.make(here, scene, chosen)
+                made, work = self._maker.make(here, case, chosen)
                 self.meter.work += work
                 self.made += 1
                 if keeps and not self.environment.choices.rests_on_others:
@@ -304,10 +304,10 @@ class Space(StateGraph):
                 self.cut.add(max(here.number, 0))
                 break
         self.steps += steps
-        course = CachedStep(arrivals, steps, frozenset(asked), footprint)
+        cached = CachedStep(arrivals, steps, frozenset(asked), footprint)
         if keeps and chosen is None:
-            before.whole.add(self._stores.question(asked), store, course, view)
-        return course
+            before.whole.add(self._stores.question(asked), store, cached, view)
+        return cached
 
     def _arrive(self, source: int, arrival: Arrival, before: Store, spot: PartNumbers | None) -> None:
         """Take note of a step and of the state it leads to."""
@@ -407,13 +407,13 @@ class Space(StateGraph):
         self.cut.add(number)
 
 
-def _scenes(found: Iterable[Stimulus]) -> list[StepCase]:
+def _cases(found: Iterable[Stimulus]) -> list[StepCase]:
     """Each with its place among those of the same words."""
-    met, scenes = Counter[str](), []
+    met, cases = Counter[str](), []
     for each in found:
-        scenes.append(StepCase(each, met[each.words]))
+        cases.append(StepCase(each, met[each.words]))
         met[each.words] += 1
-    return scenes
+    return cases
 
 
 def _timed(found: Iterable[StepCase]) -> list[StepCase]:

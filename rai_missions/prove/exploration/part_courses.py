@@ -95,15 +95,15 @@ class Share:
     """What can happen on account of one part, or of the frame.
 
     Args:
-        scenes: The cases to distinguish.
+        cases: The cases to distinguish.
         group: The part's group, or in place of it `OUTSIDE` or `OF_GOALS`.
     """
 
     __slots__ = ("caches", "group", "joined", "waits", "words")
 
-    def __init__(self, scenes: Sequence[StepCase], group: int) -> None:
-        self.group, self.caches = group, [StepCache() for _ in scenes]
-        self.words = frozenset(each.happening.words for each in scenes if each.happening.kind == "time")
+    def __init__(self, cases: Sequence[StepCase], group: int) -> None:
+        self.group, self.caches = group, [StepCache() for _ in cases]
+        self.words = frozenset(each.happening.words for each in cases if each.happening.kind == "time")
         """What of it waits for time."""
         self.waits = bool(self.words)
         self.joined = CaseTable[Course]()

@@ -56,7 +56,7 @@ class Search(Protocol):
     @property
     def is_over(self) -> bool: ...
 
-    def scenes(self, number: int, place: Place) -> tuple[list[StepCase], list[StepCase]]: ...
+    def cases(self, number: int, place: Place) -> tuple[list[StepCase], list[StepCase]]: ...
 
     def cut_off(self, number: int) -> None: ...
 
@@ -72,9 +72,9 @@ class Search(Protocol):
         self, noted: Iterable[Sequence[NotedArrival]], steps: int, source: int, store: Store, code: int
     ) -> None: ...
 
-    def again(self, course: CachedStep, source: int, store: Store, spot: PartNumbers | None = None) -> None: ...
+    def again(self, cached: CachedStep, source: int, store: Store, spot: PartNumbers | None = None) -> None: ...
 
-    def each_way(self, scene: StepCase, here: StepOrigin, before: StepCache, view: PartsView) -> CachedStep: ...
+    def each_way(self, case: StepCase, here: StepOrigin, before: StepCache, view: PartsView) -> CachedStep: ...
 
 
 class PartSteps:
@@ -274,11 +274,11 @@ class PartSteps:
         known = self._shares_of(spot, slots, summary, store)
         if None in known:
             self._search.findings.stop(number, place)
-        found, others = self._search.scenes(number, place)
+        found, others = self._search.cases(number, place)
         by_scope = self._by_scope(spot, [*found, *others])
         every = [*range(len(slots)), OUTSIDE, OF_GOALS]
         waiting = [
-            [scene for scope in some for scene in by_scope[scope] if scene.happening.kind == "time"]
+            [case for scope in some for case in by_scope[scope] if case.happening.kind == "time"]
             for some in (every[:-1], every[-1:])
         ]
         here = StepOrigin(number, place, waiting[0], waiting[1], spot, view.parts)
@@ -295,28 +295,28 @@ class PartSteps:
             self._make_share(share, by_scope[share.group], here, view)
         return made
 
-    def _make_share(self, share: Share, scenes: Sequence[StepCase], here: StepOrigin, view: PartsView) -> None:
-        store, courses = here.place.store, []
+    def _make_share(self, share: Share, cases: Sequence[StepCase], here: StepOrigin, view: PartsView) -> None:
+        store, cached_steps = here.place.store, []
         assert here.spot is not None
-        for scene, cache in zip(scenes, share.caches, strict=True):
+        for case, cache in zip(cases, share.caches, strict=True):
             if self._search.is_over:
                 self._search.cut_off(here.number)
                 return
-            course = cache.whole.find(store, view)
-            if course is not None:
-                self._search.again(course, here.number, store, here.spot)
+            cached = cache.whole.find(store, view)
+            if cached is not None:
+                self._search.again(cached, here.number, store, here.spot)
             else:
-                course = self._search.each_way(scene, here, cache, view)
-            courses.append(course)
-        whole = joined(courses)
+                cached = self._search.each_way(case, here, cache, view)
+            cached_steps.append(cached)
+        whole = joined(cached_steps)
         made = Course(whole, here.spot, self._codes.widest)
         share.joined.add(self._stores.question(whole.asked), store, made, view)
 
-    def _by_scope(self, spot: PartNumbers, scenes: Iterable[StepCase]) -> dict[int, list[StepCase]]:
+    def _by_scope(self, spot: PartNumbers, cases: Iterable[StepCase]) -> dict[int, list[StepCase]]:
         """What can happen in a state, which is loaded, by the group that it concerns."""
         parallel, found = self._parts.frames[spot.frame].parallel, defaultdict[int, list[StepCase]](list)
-        for scene in scenes:
-            owner = self._owner_of(scene.happening.number) if scene.happening.number else ""
-            scope = self._parts.regions.scope(parallel, scene.happening, owner)
-            found[scope].append(scene._replace(scope=scope))
+        for case in cases:
+            owner = self._owner_of(case.happening.number) if case.happening.number else ""
+            scope = self._parts.regions.scope(parallel, case.happening, owner)
+            found[scope].append(case._replace(scope=scope))
         return found

@@ -135,14 +135,14 @@ class CachedStep(NamedTuple):
     footprint: StepFootprint = NOTHING
 
 
-def joined(courses: Iterable[CachedStep]) -> CachedStep:
+def joined(cached_steps: Iterable[CachedStep]) -> CachedStep:
     """All that several happenings can come to; of arrivals that lead alike the first."""
     arrivals, steps, asked, footprint = dict[object, Arrival](), 0, set[object](), NOTHING
-    for course in courses:
-        steps += course.steps
-        asked |= course.asked
-        footprint = both(footprint, course.footprint)
-        for each in course.arrivals:
+    for cached in cached_steps:
+        steps += cached.steps
+        asked |= cached.asked
+        footprint = both(footprint, cached.footprint)
+        for each in cached.arrivals:
             arrivals.setdefault(each.likeness, each)
     return CachedStep(list(arrivals.values()), steps, frozenset(asked), footprint)
 

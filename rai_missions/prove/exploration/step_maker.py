@@ -73,9 +73,9 @@ class StepMaker:
         self._numbers = self._orders = 0
         """The last number of a start or a question, and of a timer: the parts of two steps never have the same ones."""
 
-    def make(self, here: StepOrigin, scene: StepCase, chosen: tuple[int, ...]) -> tuple[StepOutcome, int]:
+    def make(self, here: StepOrigin, case: StepCase, chosen: tuple[int, ...]) -> tuple[StepOutcome, int]:
         """Let something happen in one way; what came of it, and how many microsteps and ticks of trees it took."""
-        environment, arrival, happening = self._environment, None, scene.happening
+        environment, arrival, happening = self._environment, None, case.happening
         chart, world, instruments = environment.chart, environment.world, environment.instruments
         looked, replaced = world.board.looked, world.board.replaced
         environment.choices.begin(chosen)
@@ -97,9 +97,9 @@ class StepMaker:
             kept = self._left_waiting(here, happening)
             environment.settle()
             read |= (looked | world.asked_at_the_end) & world.stored
-            way = Edge(happening.words, scene.at, environment.choices.trail)
+            way = Edge(happening.words, case.at, environment.choices.trail)
             self._learn(here.number, way, is_idle)
-            arrival, footprint = self._arrival(way, here, scene, kept)
+            arrival, footprint = self._arrival(way, here, case, kept)
         asked = instruments.asked.union(self._stores.looked_at(read - replaced, written, self._counted()))
         self._numbers, self._orders = max(self._numbers, chart.state.number), max(self._orders, chart.state.order)
         return StepOutcome(arrival, frozenset(asked), environment.choices.next(), footprint), work
@@ -129,16 +129,16 @@ class StepMaker:
         return [each for each in waiting if each.happening.words in kept]
 
     def _arrival(
-        self, way: Edge, here: StepOrigin, scene: StepCase, waits: list[StepCase] | None
+        self, way: Edge, here: StepOrigin, case: StepCase, waits: list[StepCase] | None
     ) -> tuple[Arrival, StepFootprint]:
-        environment, happening = self._environment, scene.happening
+        environment, happening = self._environment, case.happening
         chart, codec, instruments = environment.chart, environment.codec, environment.instruments
         moves = list(chart.state.draft.moves)
         has_moved = bool(moves or instruments.turned or any(instruments.begun.values()))
         wakes = self._wakes(happening, moves) if here.spot is not None else 0
         if chart.outcome is not None:
             ended = chart.outcome, chart.why
-            footprint, _ = self._footprint(here, scene, wakes, moves, None, has_ended=True)
+            footprint, _ = self._footprint(here, case, wakes, moves, None, has_ended=True)
             return Arrival(way, happening.kind, has_moved, ended, repr(ended).encode()), footprint
         change = self._change(here.place.store, happening)
         levels = codec.levels() if codec.loops else ()
@@ -146,7 +146,7 @@ class StepMaker:
         core = codec.core() if is_whole else b""
         saved = codec.take()
         spot = self._parts.spot(saved) if not is_whole and self._parts is not None else None
-        footprint, changed = self._footprint(here, scene, wakes, moves, spot, has_ended=False)
+        footprint, changed = self._footprint(here, case, wakes, moves, spot, has_ended=False)
         kept = self._kept(waits, footprint, moves) if waits is not None else None
         return Arrival(
             way,
@@ -203,7 +203,7 @@ class StepMaker:
     def _footprint(
         self,
         here: StepOrigin,
-        scene: StepCase,
+        case: StepCase,
         wakes: int,
         moves: Sequence[Move],
         spot: PartNumbers | None,
@@ -226,14 +226,14 @@ class StepMaker:
             return NOTHING, None
         regions, frames = self._parts.regions, self._parts.frames
         parallel = frames[here.spot.frame].parallel
-        needs = set(regions.concerned(parallel, scene.happening, scene.scope))
+        needs = set(regions.concerned(parallel, case.happening, case.scope))
         needs |= {group for group, part in enumerate(here.parts) if part.wakes & wakes}
         leaves = has_ended or any(parallel.node.name in move.exited for move in moves)
-        if here.is_last(scene.scope) and scene.scope >= 0:
+        if here.is_last(case.scope) and case.scope >= 0:
             needs |= parallel.every
         if leaves:
             needs |= {group for group, part in enumerate(here.parts) if not part.is_quiet}
-            if self._may_complete(parallel, here, scene, needs, moves):
+            if self._may_complete(parallel, here, case, needs, moves):
                 needs |= parallel.every
             return StepFootprint(tuple(sorted(needs)), wakes, leaves=True), None
         if spot is None or frames[spot.frame].parallel is not parallel:
@@ -242,7 +242,7 @@ class StepMaker:
         changed = tuple((group, now) for group, (before, now) in pairs if before != now)
         after = self._parts.of(spot)
         is_foreseen = all(
-            group == scene.scope or (group in needs and not (here.parts[group].is_ended or after[group].is_ended))
+            group == case.scope or (group in needs and not (here.parts[group].is_ended or after[group].is_ended))
             for group, _ in changed
         )
         if not is_foreseen:
@@ -254,11 +254,9 @@ class StepMaker:
         return StepFootprint(tuple(sorted(needs)), wakes, turns=turns), changed
 
     def _may_complete(
-        self, parallel: RegionGroups, here: StepOrigin, scene: StepCase, needs: Iterable[int], moves: Iterable[Move]
+        self, parallel: RegionGroups, here: StepOrigin, case: StepCase, needs: Iterable[int], moves: Iterable[Move]
     ) -> bool:
         """Whether others than the group concerned may have come to their ends before the parallel state was left."""
         others = [move for move in moves if parallel.node.name not in move.exited]
-        entered = {parallel.group_of.get(name, scene.scope) for move in others for name in move.entered}
-        return bool(entered - {scene.scope}) or any(
-            here.parts[group].is_ended for group in needs if group != scene.scope
-        )
+        entered = {parallel.group_of.get(name, case.scope) for move in others for name in move.entered}
+        return bool(entered - {case.scope}) or any(here.parts[group].is_ended for group in needs if group != case.scope)

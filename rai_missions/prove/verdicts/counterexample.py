@@ -29,7 +29,7 @@ from rai_missions.prove.verdicts.properties import Property
 if TYPE_CHECKING:
     from rai_missions.journal import Journal
 
-__all__ = ("TraceReplayer", "TraceStep", "go", "scenes", "ways_to")
+__all__ = ("TraceReplayer", "TraceStep", "go", "trace", "ways_to")
 
 SLICE = 0.4
 """Facts are reported again after this part of the time for which they can be believed."""
@@ -66,15 +66,15 @@ def ways_to(space: Space, claim: Property) -> list[Edge]:
     return [*space.path(claim.state), *([claim.way] if claim.way is not None else [])]
 
 
-def scenes(space: Space, claim: Property) -> list[TraceStep]:
+def trace(space: Space, claim: Property) -> list[TraceStep]:
     """What happens on the shortest way to where a claim is refuted."""
     environment = space.environment
     environment.load(space.fresh)
     found: list[TraceStep] = []
     for each in ways_to(space, claim):
-        scene = _scene(environment, each, found[-1].facts if found else {})
+        traced = _traced(environment, each, found[-1].facts if found else {})
         environment.settle()  # it may choose more of what an answer brings
-        found.append(scene._replace(event=environment.inputs.example))
+        found.append(traced._replace(event=environment.inputs.example))
         environment.load(environment.codec.place())
     return found
 
@@ -107,7 +107,7 @@ def go(environment: Environment, way: Edge) -> tuple[str, str]:
     return owner, happening.stale
 
 
-def _scene(environment: Environment, way: Edge, before: Mapping[str, Any]) -> TraceStep:
+def _traced(environment: Environment, way: Edge, before: Mapping[str, Any]) -> TraceStep:
     owner, stale = go(environment, way)
     chart, world = environment.chart, environment.world
     looked = chart.state.draft.looked
@@ -131,7 +131,7 @@ def _plain(entry: Any, before: Any) -> Any:
 
 
 class TraceReplayer:
-    """Has a chart that keeps time do the scenes, into a new journal.
+    """Has a chart that keeps time make the steps of a trace, into a new journal.
 
     Args:
         mission: The mission.
@@ -153,50 +153,54 @@ class TraceReplayer:
         self._quiet: dict[str, tuple[str, Any, float]] = {}
 
     def play(self, run: list[TraceStep]) -> bool:
-        """Do the scenes; whether the run comes to the same states, and the same outcome, as the last one."""
-        for scene in run:
-            self._play(scene)
+        """Make the steps of a trace; whether the run comes to the same states and outcome as the last one."""
+        for traced in run:
+            self._play(traced)
         return self._is_reached(run[-1])
 
-    def _is_reached(self, scene: TraceStep) -> bool:
+    def _is_reached(self, traced: TraceStep) -> bool:
         chart = self._chart
-        if (chart.outcome, chart.cause, chart.false_invariant) != (scene.outcome, scene.cause, scene.false_invariant):
+        if (chart.outcome, chart.cause, chart.false_invariant) != (
+            traced.outcome,
+            traced.cause,
+            traced.false_invariant,
+        ):
             return False
-        return chart.active == scene.active or scene.cause == "cycle"  # which end it in the midst of their rounds
+        return chart.active == traced.active or traced.cause == "cycle"  # which end it in the midst of their rounds
 
     def _predicate(self, name: str) -> Callable[..., Truth]:
         return lambda known, **arguments: self._predicates.get(name)
 
-    # -- one scene ------------------------------------------------------------------------------------------------
+    # -- one step -------------------------------------------------------------------------------------------------
 
-    def _play(self, scene: TraceStep) -> None:
-        self._predicates = scene.predicates
-        named = scene.stale or (scene.event.name if scene.event is not None and scene.event.kind == "write" else "")
-        gone = [name for name, value in scene.facts.items() if value is None and name != named and name in self._facts]
+    def _play(self, traced: TraceStep) -> None:
+        self._predicates = traced.predicates
+        named = traced.stale or (traced.event.name if traced.event is not None and traced.event.kind == "write" else "")
+        gone = [name for name, value in traced.facts.items() if value is None and name != named and name in self._facts]
         self._grow_old(gone)
-        for name, value in scene.facts.items():
+        for name, value in traced.facts.items():
             if value is not None and name != named and (name not in self._facts or self._facts[name] != value):
                 self._write(name, value)
-        found = scene.control
+        found = traced.control
         if found is not None and (found.name, found.data["by"] == "operator") != (
             self._chart.holder,
             self._chart.taken,
         ):
             self._take(lambda: self._chart.send(found._replace(at=self._chart.at)))
-        self._happen(scene)
+        self._happen(traced)
 
-    def _happen(self, scene: TraceStep) -> None:
-        chart, event = self._chart, scene.event
-        if scene.words == START:
+    def _happen(self, traced: TraceStep) -> None:
+        chart, event = self._chart, traced.event
+        if traced.words == START:
             self._take(lambda: chart.start(chart.at))
-        elif scene.stale:
-            self._grow_old([scene.stale])
+        elif traced.stale:
+            self._grow_old([traced.stale])
         elif event is None:
-            self._wait(scene)
+            self._wait(traced)
         elif event.kind == "write":
-            self._write(event.name, scene.facts.get(event.name))
+            self._write(event.name, traced.facts.get(event.name))
         else:
-            number = self._number(scene.owner, event.number)
+            number = self._number(traced.owner, event.number)
             self._take(lambda: chart.send(event._replace(at=chart.at, number=number)))
 
     def _number(self, owner: str, number: int) -> int:
@@ -233,14 +237,14 @@ class TraceReplayer:
 
     # -- time -----------------------------------------------------------------------------------------------------
 
-    def _wait(self, scene: TraceStep) -> None:
-        """Let time pass until the scene has happened; what is known stays known."""
+    def _wait(self, traced: TraceStep) -> None:
+        """Let time pass until the step has happened; what is known stays known."""
         for _ in range(MOST_INSTANTS):
             wake = self._chart.wake_at
             if wake is None or self._chart.outcome is not None:
                 return
             for step in self._pass(wake, at_most=1):
-                if (step.moves or step.effects or step.notes or step.outcome) and self._is_reached(scene):
+                if (step.moves or step.effects or step.notes or step.outcome) and self._is_reached(traced):
                     return
 
     def _grow_old(self, names: list[str]) -> None:
