@@ -70,14 +70,16 @@ ORDERS = {
         "bring the parcel": "You want: deliver the parcel. Is",
         "could you bring the parcel 4 metres away?": "deliver the parcel 4 m away",
     },
+    "patrol": {"patrol, please": "patrol all places", "please make your round": "patrol all places"},
     "pick_and_place": {"put two parts into the tray": "put 2 parts into the tray"},
+    "python": {"water the beds": "water the beds. Is"},
 }
 
 
-@pytest.mark.parametrize("template", ORDERS)
+@pytest.mark.parametrize("template", TEMPLATES)
 def test_its_robot_takes_the_orders_that_the_readme_names(folder: Path, template: str) -> None:
     assert main(["new", "first_try", "--template", template]) == 0
-    mission = load(folder / "first_try/mission.json")
+    mission = load(folder / "first_try" / templates()[template].mission)
     robot = profile_of(runpy.run_path(str(folder / "first_try/robot.py"))["robot"](), mission)
     assert conversation_faults(robot, mission) == ()
     takes = [

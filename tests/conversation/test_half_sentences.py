@@ -10,7 +10,7 @@ import pytest
 
 from rai_missions.conversation import Dialogue, Order, Output, Utterance
 from tests.conversation.judged import ordered
-from tests.conversation.test_robots import robot
+from tests.conversation.test_robots import MODES, robot
 
 
 def after(name: str, *texts: str) -> tuple[Output, ...]:
@@ -21,7 +21,8 @@ def after(name: str, *texts: str) -> tuple[Output, ...]:
     for at, text in enumerate(texts, start=1):
         found = dialogue.on_utterance(Utterance(text, "operator", "terminal", "Eve", 5.0 * at), view)
         if any(isinstance(each, Order) for each in found):
-            view = view._replace(mode="running", awaits_start=False)
+            modes = [MODES[each.name] for each in found if isinstance(each, Order) and each.name in MODES]
+            view = view._replace(mode=modes[-1] if modes else "running", awaits_start=False)
             dialogue.on_status(view, 5.0 * at + 0.5)
     return found
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from rai_missions.conversation import Dialogue, Speech, TalkNote, Utterance
+from rai_missions.conversation import Dialogue, Order, Speech, TalkNote, Utterance
 from tests.conversation.judged import ordered
 from tests.conversation.test_half_sentences import after, arguments
 from tests.conversation.test_robots import robot
@@ -47,6 +47,47 @@ def test_words_that_begin_no_order_with_its_values_lack_nothing(text: str) -> No
 ])  # fmt: skip
 def test_the_verb_of_an_order_may_be_behind_its_thing(name: str, text: str, expected: Mapping[str, Any]) -> None:
     assert arguments(after(name, text)) == expected
+
+
+@pytest.mark.parametrize(("name", "text", "expected"), [
+    ("linen_cart", "dann ab in die Wäschekammer", {"task": "park"}),
+    ("sample_courier", "an die Ladestation", {"task": "charge"}),
+    ("sample_courier", "rüber zur Notaufnahme", {"task": "drive", "place": "emergency"}),
+    ("gate_helper", "over to security, please", {"task": "go", "place": "security"}),
+    ("gate_helper", "back to your charger", {"task": "go", "place": "charger"}),
+    ("gate_helper", "escort the family to gate 14", {"task": "escort", "passenger": "the family", "gate": 14}),
+    ("museum_guide", "zeig uns das Mosaik", {"task": "show", "exhibit": "mosaic"}),
+])  # fmt: skip
+def test_a_direction_is_an_order_to_go_and_a_name_is_the_same_without_its_article(
+    name: str, text: str, expected: Mapping[str, Any]
+) -> None:
+    assert arguments(after(name, text)) == expected
+
+
+@pytest.mark.parametrize(("name", "text"), [
+    ("gate_helper", "up to now it was quiet"), ("gate_helper", "back to work"),
+    ("linen_cart", "zum Glück"), ("linen_cart", "nicht zurück in die Kammer"),
+])  # fmt: skip
+def test_other_words_of_direction_order_nothing(name: str, text: str) -> None:
+    assert ordered(after(name, text)) == []
+
+
+@pytest.mark.parametrize(("name", "text", "yes"), [
+    ("gate_helper", "go to security", ("fine", "perfect", "yes, do", "go for it", "that's fine")),
+    ("linen_cart", "desinfizier den Wagen", ("gut", "ja, gern", "alles gut", "perfekt")),
+])  # fmt: skip
+def test_more_words_confirm_what_was_read_back(name: str, text: str, yes: tuple[str, ...]) -> None:
+    for each in yes:
+        assert [order.name for order in after(name, text, each) if isinstance(order, Order)] == ["start"], each
+
+
+def test_what_a_stop_has_dropped_before_a_yes_is_named_once_the_mission_resumes() -> None:
+    given = ("go to security", "yes", "go to security, then go to the information desk", "stop")
+    assert after("gate_helper", *given)[-1].text.startswith("Stop.")  # type: ignore[union-attr]
+    *_, dropped = [each.text for each in after("gate_helper", *given, "resume") if isinstance(each, Speech)]
+    assert "because of the stop" in dropped.lower() and "security" in dropped and "information" in dropped
+    again = after("gate_helper", *given, "resume", "stop", "resume")
+    assert not [each for each in again if isinstance(each, Speech) and "because" in each.text.lower()]
 
 
 @pytest.mark.parametrize("text", ["my hair needs brushing", "the dog wants feeding", "shelf three needs painting"])

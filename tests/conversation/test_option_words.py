@@ -72,6 +72,11 @@ def test_what_asks_for_no_option_is_no_answer(code: str, text: str) -> None:
     assert not [each for each in asked(code, text) if each["order"] == "answer"]
 
 
+@pytest.mark.parametrize(("code", "text"), [("de", "ab in die Kammer"), ("en", "off to the yard")])
+def test_a_direction_without_a_verb_answers_an_open_question(code: str, text: str) -> None:
+    assert [each["order"] for each in asked(code, text)] == ["answer"]
+
+
 def test_two_options_are_asked_about() -> None:
     assert not asked("en", "the yard or the horn") and not asked("de", "durch den Keller oder zurück in die Kammer")
 

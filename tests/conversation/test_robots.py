@@ -100,9 +100,9 @@ LEAST = {
     ("first", "orders"): (60, 47), ("first", "questions"): (37, 30), ("first", "answers"): (25, 24),
     ("first", "stops"): (20, 20), ("first", "harmless"): (38, 33), ("first", "dialogues"): (40, 33),
     ("second", "orders"): (46, 37), ("second", "questions"): (37, 31), ("second", "answers"): (28, 25),
-    ("second", "stops"): (20, 20), ("second", "harmless"): (29, 28), ("second", "dialogues"): (72, 55),
-    ("third", "orders"): (24, 26), ("third", "questions"): (21, 20), ("third", "answers"): (50, 42),
-    ("third", "stops"): (18, 17), ("third", "harmless"): (30, 27), ("third", "dialogues"): (44, 46),
+    ("second", "stops"): (20, 20), ("second", "harmless"): (29, 28), ("second", "dialogues"): (72, 56),
+    ("third", "orders"): (25, 26), ("third", "questions"): (21, 20), ("third", "answers"): (50, 42),
+    ("third", "stops"): (18, 17), ("third", "harmless"): (30, 27), ("third", "dialogues"): (50, 47),
 }  # fmt: skip
 """Those that are read right, of the half that was read and of the other."""
 

@@ -28,6 +28,13 @@ RULES: dict[str, list[Mapping[str, Any]]] = {
 }
 """Who answers as `rules`; where no rule fits, the next in the decision's `ask` is asked."""
 
+CONVERSATION: Mapping[str, Any] = {
+    "phrases": {"(patrol|make (the|your) round|look at (the|all) places)": {}},
+    "spoken": {"patrol all places": {}},
+    "questions": {"what (do|can) you see *": "sight.what", "how many places are left": "left"},
+}
+"""What people may order and ask in words of their own, with `run --talk`."""
+
 
 class Round:
     """What is simulated: where the robot is, and where it has looked."""
@@ -44,7 +51,7 @@ class Round:
 
 def robot() -> PythonRobot:
     """A robot for each run."""
-    made, tour = PythonRobot("patrol robot, simulated", rules=RULES), Round()
+    made, tour = PythonRobot("patrol robot, simulated", rules=RULES, conversation=CONVERSATION), Round()
 
     made.fact("at", every_s=0.5)(lambda: tour.at)
     made.fact("left", every_s=1)(lambda: len(tour.left))

@@ -20,6 +20,13 @@ RULES: dict[str, list[Mapping[str, Any]]] = {
 }
 """Who answers as `rules`; where no rule fits, the next in the decision's `ask` is asked."""
 
+CONVERSATION: Mapping[str, Any] = {
+    "phrases": {"water [(the|all)] [the] beds": {}, "water [the] greenhouse": {}},
+    "spoken": {"water the beds": {}},
+    "questions": {"how many beds are [still] dry": "dry", "how (dry|wet) is the (soil|bed)": "moisture"},
+}
+"""What people may order and ask in words of their own, with `run --talk`."""
+
 
 class Greenhouse:
     """What is simulated: the soil of each bed, the water in the tank, and where the robot is."""
@@ -37,7 +44,7 @@ class Greenhouse:
 
 def robot() -> PythonRobot:
     """A robot for each run."""
-    made, house = PythonRobot("greenhouse robot, simulated", rules=RULES), Greenhouse()
+    made, house = PythonRobot("greenhouse robot, simulated", rules=RULES, conversation=CONVERSATION), Greenhouse()
 
     made.fact("at", every_s=0.5)(lambda: house.at)
     made.fact("moisture", every_s=0.2)(lambda: house.moisture.get(house.at, 1.0))

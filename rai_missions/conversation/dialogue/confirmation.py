@@ -74,6 +74,8 @@ class OrderConfirmation:
         self._talk, self._speaking, self._requests = talk, speaking, requests
         self.pending: Confirmable | None = None
         self._ended_at, self._ended_by = float("-inf"), ("", "")
+        self._stopped: JudgedOrder | None = None
+        """What a stop has made void, until the next order is read back or its person is informed."""
 
     @property
     def order(self) -> Sense | None:
@@ -97,6 +99,7 @@ class OrderConfirmation:
             is_same = order.sense.identity == self.pending.order.sense.identity
             by: VoidReason = "corrected" if order.sense.is_correction or is_same else "replaced"
             self.void(by, by_speaker=order.utterance.speaker)
+        self._stopped = None
         pending = Confirmable(
             order,
             self._rests_on(order, is_request=is_request),
@@ -155,6 +158,14 @@ class OrderConfirmation:
             self._speaking.reply(f"void_{by}", order.utterance.unnumbered, order=order.words)
         if by in ("time", "unspoken") and pending.is_request:
             self._requests.drop("requests_unanswered")
+        if by == "stop" and not pending.is_request:
+            self._stopped = order
+
+    def speak_stopped(self) -> None:
+        """What waited for a yes as the stop came is named once the mission resumes; the stop itself is short."""
+        order, self._stopped = self._stopped, None
+        if order is not None:
+            self._speaking.reply("void_stop", order.utterance.unnumbered, order=order.words)
 
     def follow(self, *, may_begin: bool) -> None:
         """The run's status is new: what was read back is void where what it rests on differs.

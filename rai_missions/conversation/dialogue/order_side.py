@@ -236,6 +236,8 @@ class OrderSide:
         self.given.put(judged)
         values = {"order": judged.words, "option": spoken(judged.sense.option)}
         self._speaking.reply(f"done_{judged.sense.name}", judged.utterance, **values)
+        if judged.sense.name == "resume":
+            self.confirmation.speak_stopped()
 
     # -- confirmations -------------------------------------------------------------------------------------------------
 

@@ -276,6 +276,7 @@ class SentenceGrammar:
         yield from self._ungreeted(words)
         yield from self._infinitive(words)
         yield from normaliser.openings(words, names)
+        yield from self._directed(words, view)
 
     def _polite(self, words: list[str], names: Sequence[str]) -> Iterator[list[str]]:
         """The order inside a polite sentence, in the form of an order: `go home` of `would you mind going home`."""
@@ -289,6 +290,15 @@ class SentenceGrammar:
             for slots in self.language.verbs_behind.match(opening):
                 verbs = self.language.verb_stems(slots["verb"].split())
                 forms = ([*verb, *slots["thing"].split()] for verb in verbs)
+                yield from (form for form in forms if self.start_in(form, view))
+
+    def _directed(self, words: list[str], view: StatusView) -> Iterator[list[str]]:
+        """The start that lacks its verb: `go to the dock` of `then off to the dock`; it answers an open question."""
+        openings = self.language.normaliser.openings(words, called(view.robot)) if not view.questions else ()
+        for opening in openings:
+            for slots in self.language.directed.match(opening):
+                ways = (opening, slots.get("way", "").split())
+                forms = [[verb, *way] for verb in self.language.data["going_to"] for way in ways]
                 yield from (form for form in forms if self.start_in(form, view))
 
     def _infinitive(self, words: list[str]) -> Iterator[list[str]]:

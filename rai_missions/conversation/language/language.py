@@ -92,6 +92,7 @@ class Language(LanguageTexts):
         self.start, self.answer = self._phrases("start"), self._phrases("answer")
         self.argument, self.with_values = self._phrases("argument"), self._phrases("with_values")
         self.polite, self.indirect = self._phrases("polite"), self._phrases("indirect")
+        self.directed = self._phrases("directed")
         self.relayed, self.verbs_behind = self._phrases("relayed"), self._phrases("verbs_behind")
         self.reasons = re.compile(rf"(?<![,\s])[,\s]+{data['reason_pattern']}[^,.;:!?–—]*", re.IGNORECASE)
         """What begins with a word for a reason, up to the next sign, with what is ahead of it."""
