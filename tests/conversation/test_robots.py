@@ -102,7 +102,7 @@ LEAST = {
     ("second", "orders"): (46, 37), ("second", "questions"): (37, 31), ("second", "answers"): (28, 25),
     ("second", "stops"): (20, 20), ("second", "harmless"): (29, 28), ("second", "dialogues"): (72, 56),
     ("third", "orders"): (25, 26), ("third", "questions"): (21, 20), ("third", "answers"): (50, 42),
-    ("third", "stops"): (18, 17), ("third", "harmless"): (30, 27), ("third", "dialogues"): (50, 47),
+    ("third", "stops"): (18, 18), ("third", "harmless"): (30, 27), ("third", "dialogues"): (50, 47),
 }  # fmt: skip
 """Those that are read right, of the half that was read and of the other."""
 

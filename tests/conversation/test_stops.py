@@ -12,6 +12,7 @@ from rai_missions.conversation.grammar.grammar import Grammar
 from rai_missions.conversation.grammar.senses import STOP
 from rai_missions.conversation.language.language import language, languages
 from tests.conversation.stored import ASSISTING, PATROLLING, settings_in
+from tests.conversation.test_robots import robot
 
 STOPPING = {"en": ("stop", "halt", "freeze"), "de": ("stopp", "stop", "anhalten")}
 ALARMS = {
@@ -204,3 +205,14 @@ def test_a_word_with_many_letters_of_a_kind_stays_where_no_known_word_is_in_it()
     grammar = Grammar(language("en"))
     for text in ("xxxx", "stoppppable", "www", "the busss"):
         assert STOP not in grammar.senses(text, ASSISTING), text
+
+
+@pytest.mark.parametrize(("name", "text", "is_stop"), [
+    ("brick_arm", "stop laying bricks", True), ("brick_arm", "please stop mixing", True),
+    ("ice_groomer", "stop grooming the rink", True), ("brick_arm", "stop laughing", False),
+    ("brick_arm", "stop worrying about the wall", False), ("brick_arm", "he will stop laying bricks soon", False),
+])  # fmt: skip
+def test_to_stop_what_the_robot_has_phrases_for_is_a_stop(name: str, text: str, is_stop: bool) -> None:
+    settings, view = robot(name)
+    found = Dialogue(settings, view).on_utterance(Utterance(text, "person", "terminal", at=1.0), view)
+    assert ("stop" in [each.name for each in found if isinstance(each, Order)]) == is_stop

@@ -261,7 +261,8 @@ class Grammar:
         is_on_condition = any(language.conditions.begin(words[at:]) for at in range(1, len(words)))
         is_stop = stopping.fits(words) or language.orders["stop"].fits(words)
         behind = [*words[:1], *words[size:]] if len(words) > LONGEST_WARNING else words  # `stop now the cat is there`
-        is_otherwise = is_reported or is_on_condition or is_of_another or language.warnings["no_stop"].fits(behind)
+        is_no_stop = language.warnings["no_stop"].fits(behind) and not self.sentence.names_own_verb(words[1:2])
+        is_otherwise = is_reported or is_on_condition or is_of_another or is_no_stop
         return is_stop and not is_otherwise
 
     def _slipped(self, words: list[str]) -> list[str]:

@@ -255,6 +255,11 @@ class SentenceGrammar:
         is_plain = all(word in ordinals or self._corrections.is_around(word) for word in words)
         return places[0] - (places[0] > 0) if is_plain and len(places) == 1 else None
 
+    def names_own_verb(self, words: Sequence[str]) -> bool:
+        """Whether a verb is one of the robot's phrases, in another form: `laying`, of `lay {bricks} on {wall}`."""
+        stems = (stem for stem in self.language.verb_stems(words) if stem != list(words)) if words else ()
+        return any(self._phrases.own_words.issuperset(stem) for stem in stems)
+
     def knows(self, word: str) -> bool:
         """Whether a word is in a phrase of the language or of the robot."""
         return word in self._vocabulary
