@@ -15,7 +15,7 @@ from pydantic import TypeAdapter
 from rai_missions.engine import Chart
 from rai_missions.engine.robot_facts import RobotFacts
 from rai_missions.engine.state import RunState, copied
-from rai_missions.engine.step import Ask, StartGoal, Step
+from rai_missions.engine.step import Ask, CallService, StartGoal, Step
 from rai_missions.errors import DefinitionError
 from rai_missions.event import Event, Tick
 from rai_missions.guards import Guard
@@ -25,6 +25,8 @@ from rai_missions.prove import Proof, prove
 from rai_missions.prove.environment.environment import Environment
 from tests.prove.explored import RecordingSpace, seen
 from tests.prove.paired import DIMENSIONS, Paired
+from tests.prove.test_drawn_walks import Impossible, impossible
+from tests.prove.test_drawn_walks import seen as shown
 from tests.prove.walks import Walk
 from tests.rigs.turns import sooner_ended
 
@@ -58,6 +60,8 @@ class Known(NamedTuple):
     mission: Mission
     proof: Proof
     space: RecordingSpace
+    never: Impossible
+    """What `prove` and `check` call impossible."""
 
     @property
     def proved(self) -> set[str]:
@@ -71,6 +75,8 @@ class PairWalk(Walk):
         super().__init__(known.mission, 0, chart)
         self.known, self.r = known, rng
         self.asked: dict[int, Ask] = {}
+        self.bounded: set[int] = set()
+        """Calls that have a time: no other is reported to have run out of it."""
         self.composed: set[int] = set()
         """Goals whose ends the robot's guards decide: a server only cancels them."""
         self.found: set[str] = set()
@@ -85,7 +91,7 @@ class PairWalk(Walk):
         other = PairWalk(self.known, rng, self.chart)
         other.goals, other.calls, other.questions = dict(self.goals), [*self.calls], [*self.questions]
         other.wanted, other.asked, other.script = [*self.wanted], dict(self.asked), self.script
-        other.composed = {*self.composed}
+        other.composed, other.bounded = {*self.composed}, {*self.bounded}
         other.has_facts = self.has_facts
         return other
 
@@ -95,6 +101,8 @@ class PairWalk(Walk):
         self.composed |= {
             each.number for each in step.effects if isinstance(each, StartGoal) and each.action in composed
         }
+        calls = [each for each in step.effects if isinstance(each, CallService)]
+        self.bounded |= {each.number for each in calls if each.timeout_s is not None}
         self.asked |= {each.question.number: each for each in step.effects if isinstance(each, Ask)}
         self.script += (step.event,)
         chart, space = self.chart, self.known.space
@@ -112,14 +120,14 @@ class PairWalk(Walk):
 
     def unproved(self, step: Step) -> Iterator[str]:
         """What a step shows that the proof has out of reach."""
-        chart, space, proof = self.chart, self.known.space, self.known.proof
+        chart, space = self.chart, self.known.space
         is_killed = step.event.name == "kill" and step.event.kind == "command"
         is_idle = chart.mode == "paused" and not space.environment.pause_matters
         if seen(chart) not in space.seen and not (is_killed or is_idle):
             yield f"state {seen(chart)}"
         for move in step.moves:
             yield from (f"taken {place}" for place in move.taken if place not in space.findings.taken)
-        yield from (f"entered {name}" for name in step.entered if name in proof.never)
+        yield from (f"checked {each}" for each in shown(self.known.never, iter([step])))
         for place, value in step.guards:
             values = space.environment.instruments.seen.get(place, {value})
             if (value is True) not in {each is True for each in values}:
@@ -196,7 +204,8 @@ class PairWalk(Walk):
         r = self.r
         if kind == "call":
             number = self.calls.pop(r.randrange(len(self.calls)))
-            return Event(r.choice(REPLIES), at, data, "result", number)
+            replies = [each for each in REPLIES if each != "timed_out" or number in self.bounded]
+            return Event(r.choice(replies), at, data, "result", number)
         number = r.choice(sorted(self.goals))
         if r.random() < 0.3:
             self.goals[number] = False
@@ -298,7 +307,7 @@ def known_of(seed: int, dimensions: tuple[str, ...] = ()) -> Known | str:
         return "sampled" if proof.sampled else "large"
     space = RecordingSpace(Environment(mission, robot_facts=robot_facts), STATES, WORK)
     space.explore()
-    return Known(drawn, mission, proof, space) if space.is_whole else "large"
+    return Known(drawn, mission, proof, space, impossible(mission, proof)) if space.is_whole else "large"
 
 
 @sooner_ended()
