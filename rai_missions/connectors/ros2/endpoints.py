@@ -18,7 +18,7 @@ from rclpy.node import Node, NodeNameNonExistentError
 
 __all__ = (
     "NO_PEERS", "Peers", "are_gone", "are_replaced", "node_of", "servers_of_action", "servers_of_service",
-    "types_of_service",
+    "types_of_action", "types_of_service", "why_unserved",
 )  # fmt: skip
 
 Peers = Mapping[bytes, str]
@@ -47,6 +47,20 @@ def types_of_service(node: Node, service: str) -> set[str]:
     found = (REQUEST.match(each.topic_type) for each in _readers(node, service))
     known = {f"{each['package']}/srv/{each['name']}" for each in found if each is not None}
     return known or {type_name for types in _nodes(node, service).values() for type_name in types}
+
+
+def types_of_action(node: Node, action: str) -> set[str]:
+    """The types by which an action is served now: those of its feedback, which a server alone publishes."""
+    topic = f"{node.resolve_service_name(action)}/_action/feedback"
+    return {each.topic_type.removesuffix("_FeedbackMessage") for each in node.get_publishers_info_by_topic(topic)}
+
+
+def why_unserved(name: str, type_name: str, types: set[str]) -> str:
+    """Why a name has no server that can be asked, with the types of those that serve it as another."""
+    others = ", ".join(sorted(types - {type_name}))
+    if not others:
+        return f"no server offers {name}"
+    return f"{name} is served as {others}, and not as the {type_name} that is asked for; mend the type"
 
 
 def _readers(node: Node, service: str) -> list[Any]:

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
-from rai_missions.connectors.ros2.endpoints import NO_PEERS, are_gone, servers_of_action
+from rai_missions.connectors.ros2.endpoints import NO_PEERS, are_gone, servers_of_action, types_of_action, why_unserved
+from rai_missions.connectors.ros2.messages import name_of
 from rai_missions.connectors.ros2.node_thread import Runtime
 from rai_missions.connectors.ros2.rivals import ObservedClient
 from rai_missions.connectors.ros2.services import MANY, WATCH_S, InFlightLimit
@@ -79,6 +80,11 @@ class GoalClient:
         self._ours: OrderedDict[bytes, RemoteGoal] = OrderedDict()
         self._is_watched = self._is_probing = False
         runtime.later(patience_s, self._grow_impatient)
+
+    def why_absent(self) -> str:
+        """Why no server takes its goals."""
+        types = types_of_action(self.runtime.node, self.action)
+        return why_unserved(self.action, name_of(self.cls), types)
 
     def _grow_impatient(self) -> None:
         self.patience_s = 0.0

@@ -46,7 +46,7 @@ class RecoveredGoal(RemoteGoal):
         self._handle = self._unanswered()
         client.watch(self)
         if not is_there:
-            self.end("lost", why=f"no server offers {client.action}")
+            self.end("lost", why=client.why_absent())
             return
         self._ears = (
             client.observe("feedback", client.cls.Impl.FeedbackMessage, 10, self._on_feedback),

@@ -87,7 +87,7 @@ class RemoteGoal:
         if self.is_over:
             return
         if not is_there:
-            self.end("rejected", why=f"no server offers {self._client.action}")
+            self.end("rejected", why=self._client.why_absent())
             return
         self._client.hasten()
         self._client.runtime.when(

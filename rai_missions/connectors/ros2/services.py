@@ -17,7 +17,7 @@ from rclpy.qos import QoSProfile
 
 from rai_missions.connectors.answers import ask
 from rai_missions.connectors.connector import Answer, Data, OnReply, Reply
-from rai_missions.connectors.ros2.endpoints import Peers, are_gone, servers_of_service, types_of_service
+from rai_missions.connectors.ros2.endpoints import Peers, are_gone, servers_of_service, types_of_service, why_unserved
 from rai_missions.connectors.ros2.messages import name_of, to_data, to_message
 from rai_missions.connectors.ros2.node_thread import Runtime, guarded
 from rai_missions.connectors.stamps import ReadingDate
@@ -116,12 +116,8 @@ class Client:
         return self._no_server()
 
     def _no_server(self) -> Reply:
-        """No server offers it; who serves it as another type is not spoken to, and reported."""
-        others = ", ".join(sorted(types_of_service(self._runtime.node, self._service) - {self._type}))
-        if not others:
-            return Reply("unavailable", {}, f"no server offers {self._service}")
-        why = f"{self._service} is served as {others}, and not as the {self._type} that is asked for; mend the type"
-        return Reply("unavailable", {}, why)
+        types = types_of_service(self._runtime.node, self._service)
+        return Reply("unavailable", {}, why_unserved(self._service, self._type, types))
 
     def _send(self) -> None:
         if not self._client.service_is_ready():

@@ -171,6 +171,15 @@ def test_where_discovery_is_blocked_no_one_is_found_and_every_caller_learns_it(o
     assert reports.wait(bool, "no one is found") == [Report("g", "rejected", {}, "no server offers /peer/fibonacci")]
 
 
+def test_an_action_of_another_type_is_reported_with_its_type(open_ros: Open, peer: Peer) -> None:
+    other, reports = "test_msgs/action/NestedMessage", Inbox[Report]()
+    connector = open_ros(discovery_s=1.0)
+    until_listed(connector, "/peer/trigger")
+    connector.send_goal("/peer/fibonacci", other, {}, goal_id="g", on_report=reports)
+    why = f"/peer/fibonacci is served as {FIBONACCI}, and not as the {other} that is asked for; mend the type"
+    assert reports.wait(bool, "no such server is there") == [Report("g", "rejected", {}, why)]
+
+
 def test_a_service_of_another_type_is_reported_with_its_type(open_ros: Open, peer: Peer) -> None:
     connector, replies = open_ros(discovery_s=1.0), Inbox[Reply]()
     until_listed(connector, "/peer/trigger")
