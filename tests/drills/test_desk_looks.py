@@ -51,7 +51,7 @@ def test_every_error_is_within_what_is_reported_of_it() -> None:
     for seed in range(CROWDED_DESKS):
         world: Any = open_world("desk", scene=crowded(seed), seed=seed)
         kinds = {int(world.model.body(object_name(n)).id): one.kind for n, one in enumerate(world.objects)}
-        eyes = {"pixels": PixelEye(world.camera, kinds, seed), "rays": RayEye(world.model, kinds, seed)}
+        eyes: dict[str, Any] = {"pixels": PixelEye(world.camera, kinds, seed), "rays": RayEye(world.model, kinds, seed)}
         for name, eye in eyes.items():
             for seen in eye.look(world.data, 1).bodies:
                 if lean_of(kinds[seen.body], world.data.xmat[seen.body].reshape(3, 3)) < STRAIGHT_RAD:

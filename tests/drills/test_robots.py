@@ -256,7 +256,7 @@ def test_a_topic_that_lies_within_its_type_is_believed_and_found_out_where_anoth
 class Mute(LocalConnector):
     """A connector that answers no call, whatever it promised."""
 
-    def call(self, service: str, type_name: str, request: Any, *, answered: Any, timeout_s: Any = None) -> None:
+    def call(self, service: str, type_name: str, request: Any, *, on_reply: Any, timeout_s: Any = None) -> None:
         pass
 
 
