@@ -113,7 +113,7 @@ class Bench:
     """The whole pipeline, with processes that are kept from one recording to the next.
 
     Args:
-        names: Of the recognisers and the wake word.
+        names: The names of the recognisers and the wake word.
         here: All of it in this process.
     """
 
@@ -202,7 +202,7 @@ def mixed(
     Args:
         sound: The speech.
         db: By how much the noise is below it.
-        kind: Of the noise.
+        kind: The kind of the noise.
         random: Makes it.
         before_s: How long it is there before the speech.
         of: Noise of that kind that is there already: a piece of it is taken, which costs less.

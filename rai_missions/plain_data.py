@@ -147,7 +147,7 @@ def listed(value: Any, name: str = "") -> str:
 
     Args:
         value: Anything.
-        name: Of the key or field: its last part is the unit.
+        name: The name of the key or field: its last part is the unit.
     """
     if isinstance(value, Mapping):
         return ", ".join(f"{each} {listed(item, str(each))}" for each, item in value.items())
@@ -168,7 +168,7 @@ def quoted(value: Any, name: str = "") -> str:
 
     Args:
         value: Anything; a text alone is as it is.
-        name: Of the key or field: its last part is the unit.
+        name: The name of the key or field: its last part is the unit.
     """
     return value if isinstance(value, str) else json.dumps(_coarse(plain(value), name), ensure_ascii=False)
 
@@ -192,7 +192,7 @@ def rounded(value: float, name: str = "") -> str:
 
     Args:
         value: The number.
-        name: Of the key or field: its last part is the unit.
+        name: The name of the key or field: its last part is the unit.
     """
     if not math.isfinite(value):
         return str(value)

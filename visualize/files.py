@@ -96,7 +96,7 @@ def draw(mission: Mission, path: str | os.PathLike[str], steps: Iterable[Step] =
     Args:
         mission: The graph.
         path: The file; its ending decides how it is drawn. `.html` is the review page.
-        steps: Of a run or a journal.
+        steps: The steps of a run or a journal.
 
     Raises:
         UsageError: The ending is not known, the file cannot be written, or there is no Graphviz for it.

@@ -36,7 +36,7 @@ class RunClaims:
     Args:
         connector: Carries them.
         namespace: In which a relative name is, without slashes at its ends.
-        instance: Of the program; one of its own by default.
+        instance: The instance of the program; one of its own by default.
         node: The full name of its node; empty where it has none.
     """
 
@@ -79,7 +79,7 @@ def claiming(runner: Runner, robot: Robot | None, connector: Connector | None, i
         runner: The run.
         robot: Its profile.
         connector: How the robot is reached; nothing is exchanged before it runs.
-        instance: Of this program; one of its own by default.
+        instance: The instance of this program; one of its own by default.
     """
     if robot is None or connector is None or connector_offer(robot.connector["kind"]) is None:
         yield

@@ -38,7 +38,7 @@ class AgentRunner:
     Args:
         agents: Name → agent, in the order in which they are to begin.
         connector: Where their health is published on `/diagnostics`; its owner starts and stops it.
-        name: Of these agents together.
+        name: The name of these agents together.
         start_s: How long an agent may take to begin.
         stop_s: How long one may take to end that states nothing of it.
 

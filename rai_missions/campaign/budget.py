@@ -71,7 +71,7 @@ class CallPace:
     """How fast one worker may ask a provider: its share of what all workers together may.
 
     Args:
-        rate: Of all workers together.
+        rate: The rate of all workers together.
         workers: How many there are.
     """
 

@@ -61,7 +61,7 @@ class CampaignSubject(NamedTuple):
             mission: The mission's file.
             robot: The profile's file.
             decision: The state that asks.
-            arguments: Of the mission.
+            arguments: The arguments of the mission.
             source: The campaign's file, which names them.
 
         Raises:

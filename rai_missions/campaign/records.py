@@ -145,8 +145,8 @@ def is_tried(option: str, parameters: Any, tried: Mapping[str, Mapping[str, Any]
     """Whether the labels are of an answer: of its option with its parameters.
 
     Args:
-        option: Of the answer.
-        parameters: Of the answer; empty or None: it has none.
+        option: The option of the answer.
+        parameters: The parameters of the answer; empty or None: it has none.
         tried: Option → the parameters with which it was tried.
     """
     return (parameters or {}) == dict(tried.get(option, {}))

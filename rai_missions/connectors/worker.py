@@ -43,7 +43,7 @@ class Worker:
     It does not hold up the program's end, and it refers to the worker in no way: only pieces of work may do so.
 
     Args:
-        name: Of the thread.
+        name: The name of the thread.
         limit: How many pieces may wait; by default any number.
         keep: Which pieces stay where there is no room: the `oldest` (a new one is refused), or the `newest` (the one
             that has waited longest is dropped, and the first time logged).

@@ -44,7 +44,7 @@ def known_from(step: Step, keys: Mapping[str, Key]) -> Iterator[tuple[str, Any, 
     """Each key that a step changes, with its value and stamp, in order; a value of None: it is no longer known.
 
     Args:
-        step: Of the run.
+        step: The step of the run.
         keys: Those of its mission.
 
     Raises:

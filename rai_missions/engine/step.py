@@ -274,7 +274,7 @@ def step_count(steps: Iterable[Step]) -> int:
     Readings that enabled nothing are steps as well; a journal holds them with the next one that did more.
 
     Args:
-        steps: Of one run or of several, one after the other; some of a run may be left out.
+        steps: The steps of one run or of several, one after the other; some of a run may be left out.
     """
     count, last = 0, None
     for step in steps:

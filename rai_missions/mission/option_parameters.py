@@ -68,7 +68,7 @@ def _odd_word(schema: Mapping[str, Any], asking: Iterable[str]) -> str:
     """A parameter's name where a word of the schema should be; empty where there is none.
 
     Args:
-        schema: Of an object.
+        schema: The schema of an object.
         asking: The words that ask something of a value.
     """
     known = ANNOTATIONS.union(asking)

@@ -246,7 +246,7 @@ class _NoSuchAttribute:
     """What is reported of an attribute that a model lacks, in words only when it is read: most are only looked for.
 
     Args:
-        kind: Of the model.
+        kind: The kind of the model.
         name: The attribute.
     """
 

@@ -75,7 +75,7 @@ def planned(
         goal: What is wanted, its swaps and shifts rewritten.
         scene: What is seen.
         workspace: Where the arm works.
-        language: Of the sentence of a refusal.
+        language: The language of the sentence of a refusal.
         avoided: Places that the arm refused; where no plan does without them, they are tried again, and `about` of the
             plan names the last of them.
     """

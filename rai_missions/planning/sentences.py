@@ -30,7 +30,7 @@ def refusal_sentence(name: str, values: tuple[object, ...] = (), *, language: st
     """A sentence, filled in.
 
     Args:
-        name: Of the sentence.
+        name: The name of the sentence.
         values: For its places, in their order.
         language: Its code.
     """

@@ -41,7 +41,7 @@ class File:
 
         Args:
             topic: Its name.
-            encoding: Of its messages: `cdr` or `json`.
+            encoding: The encoding of its messages: `cdr` or `json`.
             schema: The name of what they are.
             schema_encoding: Of `text`: `ros2msg` or `jsonschema`.
             text: The definition by which they are read.

@@ -167,7 +167,7 @@ class WakeWord:
     """Looks for one wake word.
 
     Args:
-        name: Of the word.
+        name: The name of the word.
     """
 
     def __init__(self, name: str) -> None:

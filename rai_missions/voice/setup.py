@@ -64,7 +64,7 @@ def open_recognition(
     """Start what listens; returns at once.
 
     Args:
-        names: Of the recognisers and the wake word; `NAME` or `NAME:KEY=VALUE,…`.
+        names: The names of the recognisers and the wake word; `NAME` or `NAME:KEY=VALUE,…`.
         settings: The phrases that are expected, and times.
         on_transcript: See `SpeechListener`.
         on_present: See `SpeechListener`.

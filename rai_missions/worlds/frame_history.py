@@ -35,8 +35,8 @@ class FrameHistory:
 
     Args:
         camera: Whose frames are as large as its pictures.
-        seed: Of the depth's noise.
-        topics: Of the picture, of its depth and of the lens.
+        seed: The seed of the depth's noise.
+        topics: The topics of the picture, of its depth and of the lens.
         fovy_deg: The camera's field of view, top to bottom.
     """
 

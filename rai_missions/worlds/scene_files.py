@@ -44,7 +44,7 @@ def with_scene_read(options: Mapping[str, Any], folder: Path) -> Mapping[str, An
 
     Args:
         options: As they are written.
-        folder: Of the file that has them; the scene's file is found from there.
+        folder: The folder of the file that has them; the scene's file is found from there.
 
     Raises:
         UsageError: As `read_scene_file`.

@@ -70,7 +70,7 @@ class RosDesk:
     Args:
         case: What is asked for, and at which desk.
         nursery: Where lives come from.
-        journal: Of the run.
+        journal: The journal of the run.
     """
 
     def __init__(self, case: HardCase, nursery: Nursery, journal: Path) -> None:

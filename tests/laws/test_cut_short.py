@@ -151,7 +151,7 @@ def agree(folder: Path, seed: int, *, is_included: bool = False, wishes: bool = 
 
     Args:
         folder: For what is written.
-        seed: Of the mission and of what happens.
+        seed: The seed of the mission and of what happens.
         is_included: The mission is a part of another.
         wishes: It reads requests.
 

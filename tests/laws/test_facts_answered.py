@@ -124,7 +124,7 @@ class Watched:
     """A run whose facts come, age and break, while a person asks for them and guards look at them.
 
     Args:
-        seed: Of all that happens.
+        seed: The seed of all that happens.
     """
 
     def __init__(self, seed: int) -> None:

@@ -300,7 +300,7 @@ class Land:
     """Runs on one robot.
 
     Args:
-        seed: Of the robot and of the runs.
+        seed: The seed of the robot and of the runs.
         names: The runs.
         folder: For journals.
     """

@@ -92,7 +92,7 @@ class Held:
     """A run in which control changes hands, with a conversation about it or with orders alone.
 
     Args:
-        seed: Of the mission and of all that happens.
+        seed: The seed of the mission and of all that happens.
         path: Of its journal.
         orders: Those of a conversation, which are given directly instead; None: it is talked.
     """

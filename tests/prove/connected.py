@@ -24,7 +24,7 @@ def mission(left: Json, right: Json, outer: list[Json] | None = None, **words: A
         left: A region.
         right: A region.
         outer: Transitions around them.
-        words: Of the mission, in place of others.
+        words: The words of the mission, in place of others.
     """
     back = "over" if "on_cancel" in words else "after"
     clear: Json = {"type": "boolean", "source": "robot", "max_age_s": 3}

@@ -36,7 +36,7 @@ class Regional:
     """A mission drawn from a random generator.
 
     Args:
-        seed: Of the generator.
+        seed: The seed of the generator.
         apart: Its regions share little or nothing, nothing takes time, and an event ends it.
     """
 

@@ -93,7 +93,7 @@ class Inquest(Coroner):
     """What the deaths of one run have shown.
 
     Args:
-        mission: Of the run.
+        mission: The mission of the run.
         land: Where it runs.
         answerers: Who is asked.
     """

@@ -65,9 +65,9 @@ class ShippedLand(Land):
     """The world of a shipped mission; what runs in it may die.
 
     Args:
-        folder: Of the mission.
+        folder: The folder of the mission.
         options: What the world takes, instead of what the profile has.
-        arguments: Of the mission.
+        arguments: The arguments of the mission.
         file: The mission in the folder.
     """
 

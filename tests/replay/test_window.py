@@ -74,7 +74,7 @@ class Meadow(Yard):
     """A yard that holds a process up, as a slow disk does, once it has carried out the step of a row.
 
     Args:
-        mission: Of the run.
+        mission: The mission of the run.
         seed: Of what is wanted, and how long goals take and how they end.
         slow_at: After which row of a step, from 1; 0 for none.
     """

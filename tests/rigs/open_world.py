@@ -18,7 +18,7 @@ class OpenWorld:
     """A world that a test opens and steps.
 
     Args:
-        name: Of the world.
+        name: The name of the world.
         topics: Those that are received.
         options: The world's.
     """

@@ -153,7 +153,7 @@ class Meeting:
     Args:
         secret: What is marked.
         entries: Where it enters.
-        seed: Of all else.
+        seed: The seed of all else.
         folder: For what is written.
     """
 

@@ -40,12 +40,12 @@ def report_page(
     """The page.
 
     Args:
-        figures: Of the store.
+        figures: The figures of the store.
         comparisons: What differs beyond chance.
         wrong: The wrong answers.
-        pictures: Of their scenes.
+        pictures: The pictures of their scenes.
         meta: What the store notes about the campaign.
-        name: Of the campaign.
+        name: The name of the campaign.
     """
     body = written(
         [node("h1", None, f"Campaign {name}"), *sections(figures, comparisons), *_answers(wrong), _notes(meta)]

@@ -24,7 +24,7 @@ def merged(old: Mission, new: Mission, renamed: Iterable[tuple[str, str]], versi
         old: With the names of the new one, for what was only renamed.
         new: As it is now.
         renamed: Old and new names of the states that are called otherwise.
-        version: Of the old one.
+        version: The version of the old mission.
     """
     left, right = picture(old), picture(new)
     before = {node.name: node for node in left.nodes}

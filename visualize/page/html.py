@@ -52,7 +52,7 @@ def document(data: Json, *, title: str) -> bytes:
 
     Args:
         data: What it shows.
-        title: Of the window.
+        title: The title of the window.
     """
     return assembled(asset("page.html"), data, title=title, style=asset("page.css"), script=_script())
 
@@ -63,7 +63,7 @@ def assembled(template: str, data: Json, *, title: str, style: str, script: str,
     Args:
         template: The page's frame.
         data: What the script reads.
-        title: Of the window.
+        title: The title of the window.
         style: The only style sheet.
         script: The only script.
         body: Markup that was made from escaped texts.

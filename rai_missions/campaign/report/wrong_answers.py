@@ -57,7 +57,7 @@ def wrong_answers(store: ResultStore, figures: CampaignFigures, most: int = MOST
 
     Args:
         store: Where they are.
-        figures: Of the same store.
+        figures: The figures of the same store.
         most: How many are shown; of more, the same share of every kind as far as it has that many. Cells are drawn by
             their key, a hash, so that the sample is the same every time and prefers no model.
     """

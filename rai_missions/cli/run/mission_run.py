@@ -155,7 +155,7 @@ def _run(options: RunOptions, config: RunConfig, lines: Lines, signals: ExitStac
     """Run with the page and the node that are asked for; with talk, one run after the other.
 
     Args:
-        options: Of the command.
+        options: The options of the command.
         config: What the run is made of.
         lines: Where its steps are printed.
         signals: What handles signals from the start of the run on, until its end is reported.

@@ -60,9 +60,9 @@ def claiming_without_node(options: RunOptions, prepared: PreparedRun, instance: 
     """Have a run without a node report what it commands, and warn of others that command it too, while it lasts.
 
     Args:
-        options: Of the command.
+        options: The options of the command.
         prepared: The run.
-        instance: Of this program.
+        instance: The instance of this program.
     """
     if _wants_node(options):
         return nullcontext()  # a node does so itself

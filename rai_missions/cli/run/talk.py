@@ -42,7 +42,7 @@ class TalkSetup:
     """What a run is to be made of so that it can be talked about; then it opens the conversation.
 
     Args:
-        options: Of the command.
+        options: The options of the command.
         config: What the run is made of.
         profile: The robot's; None where it has none.
     """

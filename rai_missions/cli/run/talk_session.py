@@ -47,7 +47,7 @@ class TalkSession:
     """A conversation about one run after the other, which `run` begins.
 
     Args:
-        options: Of the command.
+        options: The options of the command.
         policy: What the profile sets.
         prepared: The first run.
         config: What it is made of, with the page and the node.

@@ -33,7 +33,7 @@ class Execution:
     """A function that was called and has not returned.
 
     Args:
-        name: Of the fact, service or action.
+        name: The name of the fact, service or action.
         robot_time: Of its run.
     """
 

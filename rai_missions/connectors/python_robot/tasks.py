@@ -27,7 +27,7 @@ class EventLoop:
     """The event loop that a robot's functions share, on a thread that begins with the first of them.
 
     Args:
-        name: Of the robot.
+        name: The name of the robot.
     """
 
     def __init__(self, name: str) -> None:
@@ -70,7 +70,7 @@ class TaskExecution(Execution):
     """An `async def` that was called and has not returned.
 
     Args:
-        name: Of the fact, service or action.
+        name: The name of the fact, service or action.
         robot_time: Of its run.
         loop: Where it executes.
     """

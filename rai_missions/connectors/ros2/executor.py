@@ -60,7 +60,7 @@ class SingleThreadExecutor(Executor):  # type: ignore[misc]
     their own are not looked at. Callbacks run to their end; a coroutine that waits is looked after in every round.
 
     Args:
-        context: Of its nodes.
+        context: The context of its nodes.
         run: Runs one piece of work, and sees to it that what it raises stops no one else.
         notifications: Reports who has something to be received; closed at the end. None: all are waited for.
     """

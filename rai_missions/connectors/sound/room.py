@@ -21,7 +21,7 @@ class RoomSound(FileSound):
         delay_ms: After which time it returns.
         tail: The room's own answer, as amplitudes at 16 kHz after the direct echo; empty for none.
         noise: Amplitude of white noise, one standard deviation, of 32768.
-        seed: Of the noise.
+        seed: The seed of the noise.
         paced: As for `FileSound`.
     """
 

@@ -51,7 +51,7 @@ class HarmlessClauses:
         """Whether a sentence has a mark of what is no report: a modal, a condition, a kind of things, a definition.
 
         Args:
-            words: Of a clause.
+            words: The words of a clause.
             least: Words that follow a kind of things.
         """
         rules = self._rules

@@ -30,7 +30,7 @@ class ReportingClauses:
         """The subjects of a clause, in its order.
 
         Args:
-            words: Of the clause.
+            words: The words of the clause.
             names: What this robot, its mission and its keys are called.
         """
         rules = self._rules
@@ -126,7 +126,7 @@ class ReportingClauses:
         clause with any verb but a modal: `I have mowed`, `the tank holds ten litres`, but not `tanks hold water`.
 
         Args:
-            words: Of the clause.
+            words: The words of the clause.
             subject: One of its subjects.
             is_fact: Whether its sentence has no modal, condition or habit.
         """

@@ -91,7 +91,7 @@ def amounts_in(words: Sequence[str], key: KeyView, language: Language) -> Iterat
     """The words of each number for a key, the longest first: with its unit, or where its name is in the clause.
 
     Args:
-        words: Of a clause.
+        words: The words of a clause.
         key: Of a number.
         language: Its numbers and units.
     """

@@ -48,7 +48,7 @@ def key_named(words: Sequence[str], keys: Mapping[str, KeyView], language: Langu
     An argument is named by its name alone: its `about` lists what may be ordered.
 
     Args:
-        words: Of the sentence's slot.
+        words: The words of the sentence's slot.
         keys: Those that there are, by name.
         language: Whose articles, units and aliases count.
         strict: Only its name counts, not the words of its `about`.
@@ -74,7 +74,7 @@ def key_within(words: Sequence[str], keys: Mapping[str, KeyView], language: Lang
     """The path of the key that some of the words are the whole name of, the longest name first; empty without one.
 
     Args:
-        words: Of a sentence.
+        words: The words of a sentence.
         keys: Those that there are, by name.
         language: Whose articles, units and aliases count.
     """
@@ -94,7 +94,7 @@ def keys_about(
     is as good as what it measures. Empty where no name shares any, or too many share as many.
 
     Args:
-        words: Of the question.
+        words: The words of the question.
         keys: Those that there are, by name.
         language: Whose articles, units and measures count.
         whole: The name must share each word but articles and the like.

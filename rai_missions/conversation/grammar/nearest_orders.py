@@ -64,7 +64,7 @@ class NearestOrders:
     """Finds what may be offered.
 
     Args:
-        grammar: Of the language.
+        grammar: The grammar of the language.
         phrases: Which start missions.
         suggestions: Finds the names of things.
         likeness: Compares sentences.
@@ -141,7 +141,7 @@ class NearestOrders:
         """The values of arguments that the words name: of a list, numbers, and then a thing among the other words.
 
         Args:
-            words: Of the sentence.
+            words: The words of the sentence.
             asking: Its clauses that ask for something.
             view: The run.
         """

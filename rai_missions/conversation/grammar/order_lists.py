@@ -135,7 +135,7 @@ class OrderLists:
         """What a part of a sentence means: orders or questions; empty for all else, and for a joint or `please go`.
 
         Args:
-            words: Of the part.
+            words: The words of the part.
             view: The run.
         """
         if list(words) in self._no_parts or self._language.normaliser.bare(list(words)) in self._no_parts:
@@ -150,7 +150,7 @@ class OrderLists:
         """What a part orders of what was named before it: `wait there`, `count it`; empty for nothing.
 
         Args:
-            words: Of the part.
+            words: The words of the part.
             view: The run.
             before: What is ahead of it, the last at the end.
         """
@@ -160,7 +160,7 @@ class OrderLists:
         """What a part means with words of an earlier one, `the study` behind `go to the kitchen`; empty for nothing.
 
         Args:
-            words: Of the part.
+            words: The words of the part.
             view: The run.
             before: The words of the last part that is whole.
             is_whole: The sentence is an order as a whole: a value is one of it rather than of another order.

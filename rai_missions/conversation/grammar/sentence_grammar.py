@@ -76,7 +76,7 @@ class SentenceGrammar:
         """What the words may mean in this moment; several where they are ambiguous, empty for other talk.
 
         Args:
-            words: Of one sentence.
+            words: The words of one sentence.
             view: The run: which options, missions and keys there are.
             draft: The order that it may correct.
         """
@@ -163,7 +163,7 @@ class SentenceGrammar:
         """The start that the words are by a phrase of the robot's own; None where there is none, or several.
 
         Args:
-            words: Of a sentence, or of a part of one.
+            words: The words of a sentence, or of a part of one.
             view: The run.
             before: What was uttered before, for pronouns.
         """
@@ -174,7 +174,7 @@ class SentenceGrammar:
         """The start whose pronouns are what was named before: `hand it to her`, `wait there`; empty where none is.
 
         Args:
-            words: Of a sentence, or of a part of one.
+            words: The words of a sentence, or of a part of one.
             view: The run.
             before: What was uttered before, the last at the end.
         """
@@ -219,7 +219,7 @@ class SentenceGrammar:
 
         Args:
             sense: A start with a thing and no place of its own, or any other sense, which stays as it is.
-            words: Of the start.
+            words: The words of the start.
             rest: The clauses behind it.
             view: The run.
         """
@@ -316,7 +316,7 @@ class SentenceGrammar:
         """The question inside another or with a tag: `where are you` of `I wonder where you are, roughly`.
 
         Args:
-            words: Of the sentence, without politeness.
+            words: The words of the sentence, without politeness.
             view: The run.
             depth: How many questions may still be inside one another.
         """

@@ -73,7 +73,7 @@ def arguments_of(slots: frozenset[str], given: Mapping[str, Any]) -> frozenset[s
     """Every argument that a sentence gives: its own, and its slots but for those that a text quotes.
 
     Args:
-        slots: Of the sentence.
+        slots: The slots of the sentence.
         given: Argument → value.
     """
     quoted = {name for value in given.values() if isinstance(value, str) for name in SLOT.findall(value)}
@@ -186,7 +186,7 @@ class StartPhrases:
         """The starts that the words are; of several phrases that fit, one without values, else the one with most.
 
         Args:
-            words: Of a sentence.
+            words: The words of a sentence.
             missions: Those that can be started.
             before: What was uttered before, the last at the end: a pronoun is the value that was named last.
         """

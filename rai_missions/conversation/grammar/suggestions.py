@@ -131,7 +131,7 @@ class Suggestions:
         """Whether a clause without a meaning may ask for something, so that it must not be left out unnamed.
 
         Args:
-            words: Of the clause.
+            words: The words of the clause.
             is_behind: An order is ahead of it; if not, two words may be an address.
         """
         bare = self._language.normaliser.bare(words)
@@ -247,7 +247,7 @@ class Suggestions:
         """The one order within a clause that has more words; none with a negation, words of others, or in a question.
 
         Args:
-            words: Of the clause.
+            words: The words of the clause.
             view: The run.
             is_addressed: The sentence addresses the robot; if not, the start must come first.
             is_question: The sentence is one; without a request in the clause, nothing is to be done.

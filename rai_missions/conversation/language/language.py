@@ -216,7 +216,7 @@ class Language(LanguageTexts):
         """Phrases of orders in a profile: a verb that the language lists is any verb of its sense, as `head` for `go`.
 
         Args:
-            phrases: Of the profile.
+            phrases: The phrases of the profile.
             slots: The regular expression of what may be in a slot; any words in one that it lacks.
 
         Raises:
@@ -234,7 +234,7 @@ class Language(LanguageTexts):
         Empty where it has no one for whom something is, or where its verb has no such form and one of both is free.
 
         Args:
-            phrase: Of the profile.
+            phrase: The phrase of the profile.
             listed: The arguments that list their values: what is which is known by its words, whatever the verb is.
         """
         found = self._two_objects.fullmatch(self._may_lack.sub(r"\1", phrase))

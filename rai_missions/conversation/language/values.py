@@ -52,7 +52,7 @@ def value_words(value: Any, key: KeyView, language: Language, *, field: str = ""
     """A value in words.
 
     Args:
-        value: Of the key, or of its field.
+        value: The value of the key, or of its field.
         key: Whose it is.
         field: The field, where only that is spoken.
         longest: Characters of a text that are spoken.

@@ -46,7 +46,7 @@ def write_key(program: Program, state: RunState, key: str, value: Any, by: str =
 
     Args:
         program: The mission.
-        state: Of the run.
+        state: The state of the run.
         key: Its name.
         value: Its new value.
         by: The state whose activity writes it and looks at it by itself: it is not reported to that activity.

@@ -137,7 +137,7 @@ def complete_parallels(state: RunState, complete: Iterable[CompiledState]) -> No
     """Parallel states whose regions have all ended report the worst of their outcomes, the inner first.
 
     Args:
-        state: Of the run.
+        state: The state of the run.
         complete: Those that may have, as far as the active states show.
     """
     for parallel in complete:
@@ -276,7 +276,7 @@ def end(
 
     Args:
         program: The mission.
-        state: Of the run.
+        state: The state of the run.
         outcome: How it ended.
         why: The rule that decided it.
         killed: By an e-stop or an invariant: no `exit` is done, and a cancel under way makes no difference.

@@ -26,7 +26,7 @@ def shift(program: Program, state: RunState, by_s: float, controls: Controls | N
 
     Args:
         program: The mission.
-        state: Of the run.
+        state: The state of the run.
         by_s: For how long.
         controls: Only for the states that need one of these; for all there is without them, holds included.
     """

@@ -64,7 +64,7 @@ def drop_reports(state: RunState, numbers: Container[int] | None) -> None:
     """Take out of what waits all that is reported of what was left; the ledger of goals has it now.
 
     Args:
-        state: Of the run.
+        state: The state of the run.
         numbers: Of the starts and questions that nothing waits for any more; None for all that there are.
     """
     state.kept, state.queue = (_without(state, each, numbers) for each in (state.kept, state.queue))

@@ -69,7 +69,7 @@ class CompiledComposite(CompiledNode):
         One that is idle would report the same.
 
         Args:
-            number: Of the first.
+            number: The number of the first.
             passes: The report after which the next one follows.
             now: The tick.
             restarts: A child is stopped before it is ticked.

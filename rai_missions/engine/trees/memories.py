@@ -34,7 +34,7 @@ class NodeMemories(Mapping[str, Any]):
     """Path → what the node there remembers; a node that has never run is left out.
 
     Args:
-        paths: Of the tree.
+        paths: The paths of the tree.
         parts: What the nodes remember by number, `PART` of them each; None for nothing.
     """
 

@@ -43,7 +43,7 @@ class GoalWriter:
     """The predicates of a request, for one choice among what its phrases may mean.
 
     Args:
-        things: Of the scene.
+        things: The things of the scene.
         picks: The choices.
     """
 

@@ -22,7 +22,7 @@ class Meanings:
     """What the phrases mean, for one choice among what they may mean; `it`, `those` and `there` lean on what was said.
 
     Args:
-        things: Of the scene.
+        things: The things of the scene.
         picks: The choices.
 
     Attributes:

@@ -21,7 +21,7 @@ class Cursor:
     """A place in a list of symbols.
 
     Args:
-        symbols: Of a request.
+        symbols: The symbols of a request.
     """
 
     def __init__(self, symbols: Sequence[Symbol]) -> None:

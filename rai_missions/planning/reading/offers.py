@@ -48,7 +48,7 @@ def goals_of_rest(
 
     Args:
         found: The symbols of the request.
-        words: Of its language.
+        words: The words of its language.
         goals_of: The goals that symbols may mean; none where they are not read.
     """
     for way in _complete(tuple(found), words):

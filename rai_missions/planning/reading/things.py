@@ -42,7 +42,7 @@ class Things:
         """What the phrase may mean: each an alternative, each all of its things.
 
         Args:
-            phrase: Of the request.
+            phrase: The phrase of the request.
             taken: What phrases before it are taken to mean; `the rest` and `the other one` are none of these.
 
         Raises:

@@ -60,7 +60,7 @@ def language_file(folder: Path, code: str, what: str = "language") -> dict[str, 
     """What a language's file holds.
 
     Args:
-        folder: Of the files.
+        folder: The folder of the files.
         code: Such as `en`.
         what: What the file holds, for the error: `words of the language`.
 

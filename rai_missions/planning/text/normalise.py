@@ -38,7 +38,7 @@ def readable(text: str, *, by: Cut = clipped) -> str:
     """The text in one Unicode form, without characters that are not shown, apostrophes alike, cut to `LONGEST`.
 
     Args:
-        text: Of a person.
+        text: The text of a person.
         by: How it is cut: `redaction.cut` outside a step.
     """
     text = by(text, LONGEST)
@@ -161,7 +161,7 @@ class Normaliser:
         """The words without fillers, then without each address or politeness ahead of them, one after the other.
 
         Args:
-            words: Of one sentence.
+            words: The words of one sentence.
             names: How the robot is called.
         """
         called, left = self._called(tuple(names)), self.spoken(words)
@@ -173,7 +173,7 @@ class Normaliser:
         """The words without politeness, address and fillers.
 
         Args:
-            words: Of one sentence.
+            words: The words of one sentence.
             names: How the robot is called; each may come first or last.
             is_tail_first: What may come last is removed first: of `hi robot` a greeting is left, and no address.
         """
@@ -246,7 +246,7 @@ def each_way(phrase: str) -> Iterator[list[str]]:
     """The words of a phrase with each of its alternatives: `if you can` and `when you can` of `(if|when) you can`.
 
     Args:
-        phrase: Of a language's file; brackets are not within brackets.
+        phrase: The phrase of a language's file; brackets are not within brackets.
     """
     parts = (part.split("|") for part in re.split(r"[()]", phrase))
     return ("".join(way).split() for way in product(*parts))

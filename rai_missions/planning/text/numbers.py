@@ -108,7 +108,7 @@ def numbered(words: Sequence[str], data: Mapping[str, Any]) -> Iterator[tuple[st
     """The other forms of a name that ends with a number: `bay 2`, `bay number 2` and `second bay` of `bay two`.
 
     Args:
-        words: Of the name, in lower case.
+        words: The words of the name, in lower case.
         data: The language's file.
     """
     starts = (at for at in range(1, len(words)) if isinstance(number(words[at:], data), int))

@@ -58,7 +58,7 @@ def migrate(
     """Move a run that was cut short into a mission that has changed; nothing is started by this.
 
     Args:
-        journal: Of the run.
+        journal: The journal of the run.
         mission: The mission as it is now, in which `check` finds no fault.
         map_: What has become of what.
         to: The new journal, which must not be there; `run --resume` continues with it.

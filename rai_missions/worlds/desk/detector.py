@@ -74,7 +74,7 @@ class LookClassifier:
 
         Args:
             bodies: Those in sight.
-            number: Of the look.
+            number: The number of the look.
         """
         found = []
         for seen in bodies:

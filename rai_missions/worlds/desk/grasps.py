@@ -176,7 +176,7 @@ def hand_parts(pose: ToolPose, wide: float, opening: float) -> list[Slab]:
     """The hand from above: what two tips and the fingers' upper parts sweep, and the palm.
 
     Args:
-        pose: Of the TCP.
+        pose: The pose of the TCP.
         wide: Between the fingers where they hold a thing, m.
         opening: Between them where they are open, m.
     """

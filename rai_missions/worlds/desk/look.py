@@ -61,8 +61,8 @@ class Eye(Protocol):
         """Look at the present moment.
 
         Args:
-            data: Of the simulation, after a step.
-            number: Of the look; the noise is drawn from it.
+            data: The data of the simulation, after a step.
+            number: The number of the look; the noise is drawn from it.
         """
 
 

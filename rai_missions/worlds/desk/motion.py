@@ -183,7 +183,7 @@ class Motion:
         """Bring the TCP to a pose, over what stands.
 
         Args:
-            pose: Of the TCP; where it leans by nothing, a lean is chosen that reaches it.
+            pose: The pose of the TCP; where it leans by nothing, a lean is chosen that reaches it.
             before: The gripper before it moves: `open`, `closed` or `as_is`.
             after: The gripper once it is there.
             grasp: Whether it must hold something at the end.

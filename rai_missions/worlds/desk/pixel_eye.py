@@ -58,7 +58,7 @@ class PixelEye:
     Args:
         camera: Its frames are what is measured in.
         kinds: Body of the model → kind of thing.
-        seed: Of the depth's noise.
+        seed: The seed of the depth's noise.
     """
 
     def __init__(self, camera: Camera, kinds: Mapping[int, str], seed: int) -> None:

@@ -61,7 +61,7 @@ class RayEye:
     Args:
         model: The compiled desk.
         kinds: Body of the model → kind of thing.
-        seed: Of the noise.
+        seed: The seed of the noise.
     """
 
     def __init__(self, model: Any, kinds: Mapping[int, str], seed: int) -> None:

@@ -114,7 +114,7 @@ def put_free(
 
     Args:
         model, data: The simulation.
-        number: Of the thing.
+        number: The number of the thing.
         position: Of its middle, the lowest.
         yaw: How it is turned.
         among: Bodies that it may be in; None: all.

@@ -50,7 +50,7 @@ class Desk(Simulation):
     """A `World`: an arm at a desk.
 
     Args:
-        seed: Of the noise, of the detector's errors, and of what the scene leaves open.
+        seed: The seed of the noise, of the detector's errors, and of what the scene leaves open.
         scene: A file of JSON, or an object, with `objects`; None: drawn from the seed; `{"objects": []}`: empty.
         camera: Whether pictures are rendered, and things measured in them; without, rays and the same noise find them,
             and no OpenGL is needed.

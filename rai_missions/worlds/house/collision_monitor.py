@@ -49,8 +49,8 @@ class CollisionMonitor:
         """The command, or what of it leaves `AHEAD_S` until a touch.
 
         Args:
-            place: Of the robot.
-            heading: Of the robot.
+            place: The place of the robot.
+            heading: The heading of the robot.
             command: Speed (m/s) and turn (rad/s).
         """
         if command == (0.0, 0.0):

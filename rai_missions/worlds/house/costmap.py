@@ -82,7 +82,7 @@ class Costmap:
         """Enter a scan: what a beam passes is free, where it ends something is.
 
         Args:
-            place: Of the lidar.
+            place: The place of the lidar.
             angles: Of the beams, in the map.
             ranges: Metres; infinite where nothing was hit.
         """
@@ -114,7 +114,7 @@ class Costmap:
         """Forget what was seen, but what is low and near: the camera may look elsewhere.
 
         Args:
-            place: Of the robot.
+            place: The place of the robot.
         """
         self._seen[:] = False
         self._low &= np.hypot(self._x - place[0], self._y - place[1]) < REMEMBERED_M

@@ -104,7 +104,7 @@ def person(name: str, number: int, place: tuple[float, float], *, lies: bool = F
     """One person's MJCF, moved by their will (mocap); the lidar meets the legs, as high as it looks.
 
     Args:
-        name: Of the body.
+        name: The name of the body.
         number: Chooses the colour of the clothes.
         place: Where they are at first, m.
         lies: On the back, lower than the lidar looks; the robot and its depth camera meet the body, the lidar does not.

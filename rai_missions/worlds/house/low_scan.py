@@ -46,7 +46,7 @@ class LowScan:
     Args:
         model: The compiled house.
         data: Its state.
-        seed: Of the noise.
+        seed: The seed of the noise.
     """
 
     def __init__(self, model: Any, data: Any, seed: int) -> None:

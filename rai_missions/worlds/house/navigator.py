@@ -107,8 +107,8 @@ class Navigator:
         """Take in a scan, and what is below it.
 
         Args:
-            place: Of the lidar.
-            heading: Of the robot.
+            place: The place of the lidar.
+            heading: The heading of the robot.
             angles: Of the beams, from straight ahead.
             ranges: Metres.
             below: From the lidar's place.

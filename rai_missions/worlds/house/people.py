@@ -132,7 +132,7 @@ class Resident:
 
     Args:
         person: Who.
-        seed: Of the choice where to turn when the robot stays in the way.
+        seed: The seed of the choice where to turn when the robot stays in the way.
     """
 
     def __init__(self, person: PersonPlan, seed: str) -> None:

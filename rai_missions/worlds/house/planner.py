@@ -22,7 +22,7 @@ def plan(cost: NDArray[np.float64], start: Cell, goal: Cell) -> list[Cell] | Non
     """The cells from start to goal, both included; None if no way leads there.
 
     Args:
-        cost: Of a step onto each cell, at least 1; infinite where no one can be.
+        cost: The cost of a step onto each cell, at least 1; infinite where no one can be.
         start: May lie on an infinite cell: a robot that is too close to something must get away.
         goal: Must not.
     """

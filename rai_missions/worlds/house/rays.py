@@ -40,7 +40,7 @@ class Rays:
         """Metres along each ray, -1 where it meets nothing; the next call overwrites them.
 
         Args:
-            place: Of the sensor, (3,).
+            place: The place of the sensor, (3,).
             turned: Its rotation, (9,).
         """
         rays = (self._directions @ turned.reshape(3, 3).T).ravel()

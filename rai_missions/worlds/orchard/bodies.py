@@ -75,7 +75,7 @@ def figure(kind: str, name: str, place: tuple[float, float], turn_deg: float, *,
 
     Args:
         kind: One of `KINDS`.
-        name: Of its body.
+        name: The name of its body.
         place: x and y, m.
         turn_deg: Of its x axis, counter-clockwise.
         size: 1 is the usual size.

@@ -27,7 +27,7 @@ def geoms(kind: str, size: float, variant: str) -> str:
     """One obstacle's geoms in its own frame.
 
     Args:
-        kind: Of the kinds of this file.
+        kind: One of the kinds of this file.
         size: 1 is the usual size; the geoms of grass scale in height, those of a puddle in extent.
         variant: One of the kind's variants.
     """
@@ -44,9 +44,9 @@ def companion(kind: str, variant: str, name: str, place: str) -> str:
     """A body of its own that comes with an obstacle: the bridge over a hose.
 
     Args:
-        kind: Of the obstacle.
-        variant: Of the obstacle.
-        name: Of the obstacle's body.
+        kind: The kind of the obstacle.
+        variant: The variant of the obstacle.
+        name: The name of the obstacle's body.
         place: Attributes of a body at the same place.
     """
     if (kind, variant) != ("hose", "bridged"):

@@ -174,7 +174,7 @@ def run_talked(
     """The same run, with three who talk as fast as they can from their own threads; by default they may order nothing.
 
     Args:
-        seed: Of the run, and of the talk.
+        seed: The seed of the run, and of the talk.
         settings: Who may order what.
         roles: Those of the talkers.
         sentences: Theirs.

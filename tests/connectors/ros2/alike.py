@@ -93,7 +93,7 @@ class Play:
     """A run of the mission and its robot.
 
     Args:
-        name: Of the robot; its topics, services and actions are named below it.
+        name: The name of the robot; its topics, services and actions are named below it.
         ends: The two connectors, started.
         sent: What the mission sends: `goal` and `request`.
         actions: Whether actions have a server; else they are composed of services.

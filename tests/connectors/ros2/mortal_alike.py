@@ -43,7 +43,7 @@ class MortalPlay(Play):
     """A play whose run dies.
 
     Args:
-        name: Of the robot.
+        name: The name of the robot.
         ways: How robot and run are reached.
         sent: What the mission sends.
         path: The run's journal.

@@ -54,7 +54,7 @@ class Bench:
 
     Args:
         objects: Of the scene.
-        seed: Of the noise.
+        seed: The seed of the noise.
     """
 
     def __init__(self, *objects: dict[str, Any], seed: int = 0) -> None:
