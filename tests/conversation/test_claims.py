@@ -167,6 +167,14 @@ def test_a_claim_by_its_structure_differs_from_what_is_in_doubt(code: str, sente
     assert Claims(code).why_suspected(sentence, VIEW) == why
 
 
+def test_a_sentence_of_the_world_is_spoken() -> None:
+    world = {
+        "en": ("The sea is deep.", "The ocean is salty.", "The sun is a star."),
+        "de": ("Das Meer ist tief.", "Der Ozean ist salzig.", "Die Sonne ist ein Stern."),
+    }
+    assert {each: why for each, why in replaced(world).items() if why} == {}
+
+
 def test_what_cannot_be_judged_is_replaced() -> None:
     claims = Claims("en")
     assert claims.why_replaced("Миссия завершена.", VIEW) == "script"

@@ -18,7 +18,7 @@ import unicodedata
 from collections.abc import Sequence
 from itertools import chain, pairwise
 
-from rai_missions.conversation.claims.claim_score import MOST_IN_DOUBT, MOST_OF_CLAUSE, claim_weights
+from rai_missions.conversation.claims.claim_score import MOST_IN_DOUBT, MOST_OF_CLAUSE, MOST_OF_KNOWN, claim_weights
 from rai_missions.conversation.claims.claim_words import CLAUSES
 from rai_missions.conversation.claims.harmless_clauses import LEAST_PREDICATE
 from rai_missions.conversation.claims.judged_sentence import CERTAIN, ClaimKind, JudgedSentence, claim_rules
@@ -50,6 +50,8 @@ DONE_SIGNS = frozenset("✅✔☑🏁🎉👍👌🆗💯🚀")
 """Signs that report a result without a word."""
 UNKNOWN: frozenset[ClaimKind] = frozenset(("", "language", "fragment"))
 """The kinds that show nothing of a clause among others: a name or an item of a list is a fragment, too."""
+UNMARKED: frozenset[ClaimKind] = frozenset(("", "report", "fragment"))
+"""The kinds of a sentence without a mark, which one of the world needs none of."""
 NAMED: frozenset[ClaimKind] = UNKNOWN | {"subject", "report", "place"}
 """The kinds that a name may have: `the red cup` begins as a subject does."""
 LEAST_SHARE = 0.15
@@ -146,7 +148,7 @@ class Claims:
         if self._own.harmless.fits(self._own.words(clause)):
             return ""
         if kind in UNKNOWN:
-            most = MOST_OF_CLAUSE
+            most = MOST_OF_KNOWN if self._is_known(clause) else MOST_OF_CLAUSE
         elif len(clause.split()) <= SHORT:
             most = MOST_IN_DOUBT
         return (kind or "report") if self._weights.score(clause) > most else ""
@@ -157,10 +159,16 @@ class Claims:
         if kind in CERTAIN:
             return kind
         text = plain(sentence)
-        if not kind:
-            is_ability = any(map(self._harmless.states_ability, self._own.clauses(text)))
-            return "report" if self._weights.is_claim(text, is_ability=is_ability) else ""
+        if kind in UNMARKED and (not kind or self._is_of_world(text)):
+            return "report" if self._weights.is_claim(text, is_known=self._is_known(text)) else ""
         return "" if self._weights.is_harmless(text, scored_clauses(text)) else kind
+
+    def _is_known(self, text: str) -> bool:
+        """Whether a sentence has what the robot can do, or is of the world alone."""
+        return any(map(self._harmless.states_ability, self._own.clauses(text))) or self._is_of_world(text)
+
+    def _is_of_world(self, text: str) -> bool:
+        return all(map(self._harmless.is_of_world, self._own.clauses(text)))
 
     def why_suspected(self, sentence: str, view: StatusView) -> ClaimKind:
         """Why a sentence is a claim, or may be one, by the rules alone; empty where it is none.
