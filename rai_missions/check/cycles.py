@@ -8,14 +8,14 @@ the other. Where none is there, the cycle is found.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from itertools import combinations
 from typing import NamedTuple
 
 from rai_missions.check.finding import Found
 from rai_missions.check.index import MissionIndex, StateRef, TransitionRef
-from rai_missions.check.reachability import entered_with
+from rai_missions.check.reachability import domain_of, entered_with
 from rai_missions.check.scc import knots
 from rai_missions.guards import Guard
 from rai_missions.guards.form import Atom, Form, Junction
@@ -110,7 +110,7 @@ def _jump(index: MissionIndex, transition: TransitionRef) -> Jump:
     guard = transition.definition.when
     assert guard is not None
     targets = transition.targets
-    stays = _stays(transition, targets)
+    stays = domain_of(transition)
     active = tuple(sorted(entered_with(index, targets, stays), key=lambda spot: spot.index))
     written = _set_by(transition.definition.do)
     moved = [spot for spot in active if spot.inside(stays)] if targets else []
@@ -130,22 +130,6 @@ def _jump(index: MissionIndex, transition: TransitionRef) -> Jump:
 
 def _set_by(effects: Iterable[Effect]) -> set[str]:
     return {effect.set for effect in effects if isinstance(effect, Set)}
-
-
-def _stays(transition: TransitionRef, targets: Sequence[StateRef]) -> StateRef | None:
-    """The innermost compound state around owner and targets (SCXML: the transition's domain)."""
-    if transition.owner is None:
-        return None
-    if not targets or (transition.definition.internal and all(target.inside(transition.owner) for target in targets)):
-        return transition.owner
-    for here in transition.owner.upward():
-        if (
-            here is not transition.owner
-            and not isinstance(here.state, Parallel)
-            and all(target.inside(here) for target in targets)
-        ):
-            return here
-    return None
 
 
 def _after(jump: Jump, guard: Guard, owner: StateRef | None) -> Truth:

@@ -11,7 +11,7 @@ from rai_missions.check.scc import knots
 from rai_missions.check.ways_out import WaysOut
 from rai_missions.states import Final, History, Parallel
 
-__all__ = ("dead_ends", "entered_with", "unreachable_states", "waiting_rooms")
+__all__ = ("dead_ends", "domain_of", "entered_with", "unreachable_states", "waiting_rooms")
 
 
 class Reach:
@@ -20,25 +20,60 @@ class Reach:
     def __init__(self, index: MissionIndex) -> None:
         self.index = index
         self.active: set[StateRef] = set()
-        self._descended: set[StateRef] = set()
+        self._descended: set[tuple[StateRef, StateRef | None]] = set()
+        self._side_by_side: set[StateRef] = set()
+        """Regions that were entered as those that no target is in."""
 
-    def enter(self, targets: Iterable[StateRef], *, follow: bool = True) -> None:
-        """Mark what entering the targets makes active, then (to `follow`) what the transitions there lead to."""
-        todo = [*targets]
+    def enter(self, targets: Iterable[StateRef], stays: StateRef | None = None, *, follow: bool = True) -> None:
+        """Mark what entering the targets makes active, then (to `follow`) what the transitions there lead to.
+
+        Args:
+            targets: Where something leads.
+            stays: The innermost state that is not entered, since it stays active; None: the mission itself.
+            follow: Whether the transitions of what is entered are followed.
+        """
+        todo = [(target, stays) for target in targets]
         while todo:
-            spot = todo.pop()
+            spot, stays = todo.pop()
             for here in spot.upward():
-                if here in self.active:
+                if here is stays:
                     break
-                self.active.add(here)
-                parent = here.parent
-                if parent is not None and isinstance(parent.state, Parallel) and parent not in self.active:
-                    todo += [region for region in parent.children if region is not here]
-                for transition in here.transitions if follow else ():
-                    todo += transition.targets
-            if (spot.children or isinstance(spot.state, History)) and spot not in self._descended:
-                self._descended.add(spot)
-                todo += default_entry(self.index, spot)
+                if here not in self.active:
+                    self.active.add(here)
+                    for transition in here.transitions if follow else ():
+                        todo += [(target, domain_of(transition)) for target in transition.targets]
+                todo += [(region, here.parent) for region in self._other_regions(here, stays)]
+            is_history = isinstance(spot.state, History)
+            descent = spot, stays if is_history else None
+            if (spot.children or is_history) and descent not in self._descended:
+                self._descended.add(descent)
+                todo += [(each, stays if is_history else spot) for each in default_entry(self.index, spot)]
+
+    def _other_regions(self, here: StateRef, stays: StateRef | None) -> list[StateRef]:
+        """The other regions of a parallel state that is entered with one of its regions, unless they were."""
+        parent = here.parent
+        if parent is None or parent is stays or not isinstance(parent.state, Parallel):
+            return []
+        found = [region for region in parent.children if region is not here and region not in self._side_by_side]
+        self._side_by_side.update(found)
+        return found
+
+
+def domain_of(transition: TransitionRef) -> StateRef | None:
+    """The innermost compound state around owner and targets (SCXML: the transition's domain); None: the mission."""
+    owner, targets = transition.owner, transition.targets
+    if owner is None:
+        return None
+    if not targets or (transition.definition.internal and all(target.inside(owner) for target in targets)):
+        return owner
+    for here in owner.upward():
+        if (
+            here is not owner
+            and not isinstance(here.state, Parallel)
+            and all(target.inside(here) for target in targets)
+        ):
+            return here
+    return None
 
 
 def default_entry(index: MissionIndex, spot: StateRef) -> list[StateRef]:
@@ -61,7 +96,7 @@ def entered_with(index: MissionIndex, targets: Iterable[StateRef], stays: StateR
     """What entering the targets makes active inside a state that stays so, history without memory; that state too."""
     reach = Reach(index)
     reach.active.update(stays.upward() if stays is not None else ())
-    reach.enter(targets, follow=False)
+    reach.enter(targets, stays, follow=False)
     return reach.active
 
 
