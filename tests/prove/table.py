@@ -194,6 +194,9 @@ row("a tree that publishes within a timeout", "", "the tree's timeout makes it f
                      ended())})  # fmt: skip
 row("a call that is made again and again", "comes to rest", "a silent service: timeout, call, timeout, …",
     {"calling": tree({"repeat": -1, "child": {"failure_is_success": CALL}}, STOP, ended())})  # fmt: skip
+row("a call with a fallback whose goal is refused", "comes to rest",
+    "an orphan refuses the goal, and the memoryless selector calls again, in the state that it was in",
+    {"calling": tree({"selector": [CALL, {"action": "lift", "timeout_s": 3}]}, STOP, ended())})  # fmt: skip
 row("an action that is started again and again", "", "a silent server: its orphan refuses each start",
     {"going": tree({"repeat": -1, "child": {"failure_is_success": {"action": "lift", "timeout_s": 3}}},
                    STOP, ended())})  # fmt: skip

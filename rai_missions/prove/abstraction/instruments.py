@@ -45,6 +45,8 @@ class Instruments:
         """The states of whose tree a loop's round that has taken time has ended in this step."""
         self.begun: dict[str, set[str]] = {}
         """State → the paths of the waits and timeouts that have begun in its tree in this step."""
+        self.has_started = False
+        """A leaf of a tree was started in this step."""
         self.asked: set[Any] = set()
         """What was asked of the goals in this step that nothing pursues: see `Stores.question`."""
         self.lengthened: set[str] = set()
@@ -55,7 +57,7 @@ class Instruments:
     def begin_step(self) -> None:
         """Forget what the last step did."""
         self.ticks, self.turned, self.begun, self.asked, self.is_long = 0, set(), {}, set(), False
-        self.lengthened = set()
+        self.lengthened, self.has_started = set(), False
 
     def compare_values(self) -> None:
         """Look from now on whether this step goes round."""
@@ -101,6 +103,7 @@ class Instruments:
             self.ticks += 1
             ticked = tick(*given[:4])  # a proof changes what is known in any way, so that every tick looks at all
             self.begun.setdefault(machine.owner, set()).update(ticked.waits)
+            self.has_started |= bool(ticked.started)
             if any(not each.at_once for each in ticked.rounds):
                 self.turned.add(machine.owner)
             if any(each.at_once for each in ticked.rounds):

@@ -134,7 +134,7 @@ class StepMaker:
         environment, happening = self._environment, case.happening
         chart, codec, instruments = environment.chart, environment.codec, environment.instruments
         moves = list(chart.state.draft.moves)
-        has_moved = bool(moves or instruments.turned or any(instruments.begun.values()))
+        has_moved = bool(moves or instruments.turned or instruments.has_started or any(instruments.begun.values()))
         wakes = self._wakes(happening, moves) if here.spot is not None else 0
         if chart.outcome is not None:
             ended = chart.outcome, chart.why
