@@ -253,7 +253,7 @@ class SpeechListener:
         elif event.kind == "ended":
             turn = self._turns[event.number]
             turn.end, turn.awake_until = event, self._woken_until
-            self._conclude(event.number)
+            self._conclude()
 
     def _transcribe(self, event: TurnEvent) -> None:
         offer = TurnOffer(event.number, event.offer)
@@ -294,7 +294,7 @@ class SpeechListener:
         if words_of(known, self._settings).text in self._settings.closed:
             self._detector.end_sooner(offer.number, offer.offer)
         self._give_at_once(offer)
-        self._conclude(offer.number)
+        self._conclude()
 
     def _give_at_once(self, offer: TurnOffer) -> None:
         """Give a phrase that does not wait for the end of its turn, once the person is quiet and it is transcribed."""
@@ -307,15 +307,19 @@ class SpeechListener:
             turn.is_given = True
             self._give(Transcript(text, readings, offer.number, *turn.times, self._until))
 
-    def _conclude(self, number: int) -> None:
-        """Give the transcript of a turn, once it has ended and what it ended with is transcribed."""
-        turn = self._turns[number]
-        known = turn.latest(turn.end.offer) if turn.end is not None else None
-        if known is None:
-            return
+    def _conclude(self) -> None:
+        """Give the transcripts of turns that have ended, in their order, up to the first that is not transcribed."""
+        for number, turn in list(self._turns.items()):
+            known = turn.latest(turn.end.offer) if turn.end is not None else None
+            if known is None:
+                return
+            del self._turns[number]
+            self._give_whole(number, turn, known)
+
+    def _give_whole(self, number: int, turn: OpenTurn, known: OfferReplies) -> None:
+        """Give the transcript of a turn that has ended, unless a phrase of it was given at once."""
         text, readings = words_of(known, self._settings)
         is_awake = turn.began <= max(turn.awake_until, self._passed_until)
-        self._turns = {each: other for each, other in self._turns.items() if each > number}
         if turn.is_given and text in self._settings.at_once:
             return
         if self._settings.needs_wake_word and not is_awake and text not in self._settings.at_once:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A person who speaks again while the turn before is still transcribed: the robot is quiet, and knows what came first.
 
-The ear reads how probable speech is from the frame itself, and the recogniser has the words that the test writes into a
-pipe, once it does: so the order of all that happens is the test's.
+The ear reads how probable speech and the wake word are from the frame itself, and the recogniser has the words that the
+test writes into a pipe, once it does: so the order of all that happens is the test's.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from rai_missions.voice.kind import EarReading, Reading
 
 class LevelEar:
     def take(self, recorded, played):
-        return EarReading(recorded[0] / 100, 0.0, recorded, recorded)
+        return EarReading(recorded[0] / 100, recorded[1] / 100, recorded, recorded)
 
 class PipedWords:
     def __init__(self, pipe):
@@ -40,7 +40,7 @@ level = piped_words:LevelEar
 [rai_missions.recognisers]
 piped = piped_words:PipedWords
 """
-SPEECH, QUIET = bytes([90]) * FRAME_BYTES, bytes(FRAME_BYTES)
+SPEECH, WOKEN, QUIET = (bytes(each).ljust(FRAME_BYTES, b"\0") for each in ([90], [90, 90], []))
 
 
 class Reported(NamedTuple):
@@ -120,6 +120,14 @@ def test_a_person_who_speaks_on_after_a_stop_that_was_given_at_once_is_present_a
     assert [each.what for each in scene.wait(2)] == ["present", "stop"]
     scene.frames(*[SPEECH] * 5)
     assert [each.what for each in scene.wait(3)[2:]] == ["present"]
+
+
+def test_a_wake_word_alone_waits_for_what_was_spoken_before_it(scene: Scene) -> None:
+    """It has no words, so nothing of it is transcribed: a "stop" before it that is still transcribed was lost."""
+    scene.frames(*[SPEECH] * 5, *[QUIET] * 13, *[SPEECH] * 4, WOKEN, *[QUIET] * 13)
+    assert [each.what for each in scene.wait(2)] == ["present", "present"]
+    scene.words("stop")
+    assert [(each.what, each.turn) for each in scene.wait(4)[2:4]] == [("stop", 1), ("", 2)]
 
 
 def test_a_transcript_has_the_instant_at_which_it_is_given(scene: Scene) -> None:
