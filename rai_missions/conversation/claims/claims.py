@@ -148,7 +148,8 @@ class Claims:
         if self._own.harmless.fits(self._own.words(clause)):
             return ""
         if kind in UNKNOWN:
-            most = MOST_OF_KNOWN if self._is_known(clause) else MOST_OF_CLAUSE
+            is_known = self._states_ability(clause) or self._is_of_world(clause)
+            most = MOST_OF_KNOWN if is_known else MOST_OF_CLAUSE
         elif len(clause.split()) <= SHORT:
             most = MOST_IN_DOUBT
         return (kind or "report") if self._weights.score(clause) > most else ""
@@ -159,13 +160,14 @@ class Claims:
         if kind in CERTAIN:
             return kind
         text = plain(sentence)
-        if kind in UNMARKED and (not kind or self._is_of_world(text)):
-            return "report" if self._weights.is_claim(text, is_known=self._is_known(text)) else ""
+        is_of_world = kind in UNMARKED and self._is_of_world(text)
+        if is_of_world or not kind:
+            is_known = is_of_world or self._states_ability(text)
+            return "report" if self._weights.is_claim(text, is_known=is_known) else ""
         return "" if self._weights.is_harmless(text, scored_clauses(text)) else kind
 
-    def _is_known(self, text: str) -> bool:
-        """Whether a sentence has what the robot can do, or is of the world alone."""
-        return any(map(self._harmless.states_ability, self._own.clauses(text))) or self._is_of_world(text)
+    def _states_ability(self, text: str) -> bool:
+        return any(map(self._harmless.states_ability, self._own.clauses(text)))
 
     def _is_of_world(self, text: str) -> bool:
         return all(map(self._harmless.is_of_world, self._own.clauses(text)))
