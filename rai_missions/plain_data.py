@@ -21,6 +21,7 @@ __all__ = (
     "at_path",
     "carried",
     "is_number",
+    "is_numeric",
     "json_object",
     "json_value",
     "listed",
@@ -49,12 +50,15 @@ def apart(value: Any) -> Any:
     return value
 
 
+def is_numeric(value: Any) -> TypeGuard[int | float]:
+    """Whether it is of a type of numbers, also where it is infinite or NaN; true and false are no numbers."""
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
 def is_number(value: Any) -> TypeGuard[int | float]:
     """Whether it is a number that can be reckoned with: finite, and no integer beyond all floating-point numbers."""
-    if not isinstance(value, int | float) or isinstance(value, bool):
-        return False
     try:
-        return math.isfinite(value)
+        return is_numeric(value) and math.isfinite(value)
     except OverflowError:
         return False
 

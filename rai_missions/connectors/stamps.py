@@ -10,6 +10,7 @@ import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from rai_missions.plain_data import is_numeric
 from rai_missions.redaction import cut_repr
 
 __all__ = ("ReadingDate", "dated", "stamp_of")
@@ -38,7 +39,7 @@ def stamp_of(message: Mapping[str, Any]) -> float | None:
         if isinstance(stamp, Mapping):
             seconds = (_whole(stamp.get("sec", 0)) * 10**9 + _whole(stamp.get("nanosec", 0))) / 1e9
         else:
-            seconds = float(stamp) if isinstance(stamp, int | float) and not isinstance(stamp, bool) else 0.0
+            seconds = float(stamp) if is_numeric(stamp) else 0.0
     except (OverflowError, ValueError):
         return None
     return seconds if seconds and math.isfinite(seconds) else None
@@ -58,6 +59,6 @@ def dated(stamp: float | None, *, now: float, sender_now: float) -> ReadingDate:
 
 
 def _whole(number: Any) -> int:
-    if isinstance(number, bool) or not isinstance(number, int | float):
+    if not is_numeric(number):
         raise ValueError(f"{cut_repr(number, 60)} is no number")
     return int(number)

@@ -19,6 +19,7 @@ from rai_missions.guards.guard import Guard
 from rai_missions.guards.view import Operand, Site, Test, Truth, View
 from rai_missions.model import Json, KeyPath, Path, Value, fault
 from rai_missions.model.references import OPERAND, OPERAND_WORDS, reference_word
+from rai_missions.plain_data import is_numeric
 from rai_missions.redaction import clipped
 
 __all__ = ("OPERATORS", "OPPOSITES", "ORDERED", "Compare", "Operator", "comparable", "holds")
@@ -316,7 +317,7 @@ def _type_of(value: Any) -> str:
 def _can_be(kind: str, value: Any) -> bool:
     """Whether a value can be compared with one of a type."""
     if kind in NUMBERS:
-        return isinstance(value, int | float) and not isinstance(value, bool)
+        return is_numeric(value)
     if kind in ("object", "pose"):
         return isinstance(value, dict)
     return _type_of(value) == kind

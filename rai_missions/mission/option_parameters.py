@@ -13,7 +13,7 @@ from itertools import islice
 from typing import Any
 
 from rai_missions.errors import steps_of
-from rai_missions.plain_data import is_number
+from rai_missions.plain_data import is_number, is_numeric
 from rai_missions.redaction import clipped, shown
 
 __all__ = ("MOST_PARTS", "listed_parameters", "parameter_faults", "schema_fault")
@@ -86,7 +86,7 @@ def parameter_faults(schema: Mapping[str, Any], given: Mapping[str, Any]) -> str
     parts = list(islice(_parts(given), MOST_PARTS + 1))
     if len(parts) > MOST_PARTS:
         return f"they have more than {MOST_PARTS} objects and lists"
-    odd = next((each for part in parts for each in _inside(part) if _is_no_finite_number(each)), None)
+    odd = next((each for part in parts for each in _inside(part) if is_numeric(each) and not is_number(each)), None)
     if odd is not None:  # bounds of a schema do not hold it: it is below no number, and above none
         return f"{shown(odd, by=clipped)} is no finite number"
     if not schema:  # it asks nothing, so what judges by schemas need not be loaded
@@ -195,7 +195,3 @@ def _parts(value: Any) -> Iterator[Any]:
 
 def _inside(part: Any) -> Iterable[Any]:
     return part.values() if isinstance(part, Mapping) else part
-
-
-def _is_no_finite_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and not is_number(value)

@@ -13,7 +13,7 @@ from typing import Any
 
 from rai_missions.errors import ConnectorError
 from rai_missions.image import CHANNELS, Image
-from rai_missions.plain_data import are_finite, at_path, is_number
+from rai_missions.plain_data import are_finite, at_path, is_number, is_numeric
 from rai_missions.redaction import cut, cut_repr
 
 __all__ = ("image_of", "json_of", "plain", "pose_message", "pose_of")
@@ -107,7 +107,7 @@ def pose_of(message: Any) -> dict[str, Any] | None:
         *(turn.get(axis, 0.0) for axis in "xyz"),
         turn.get("w", 1.0),
     ]
-    if not all(isinstance(number, int | float) and not isinstance(number, bool) for number in numbers):
+    if not all(map(is_numeric, numbers)):
         raise ConnectorError(f"a pose is made of numbers, not of {cut_repr(numbers, 120)}")
     if not all(map(is_number, numbers)):
         return None

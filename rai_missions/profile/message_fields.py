@@ -11,7 +11,7 @@ from typing import Any
 
 from rai_missions.errors import Fault, pointer
 from rai_missions.mission.mission import Mission
-from rai_missions.plain_data import at_path, is_number
+from rai_missions.plain_data import at_path, is_number, is_numeric
 from rai_missions.profile.endpoints import listened
 from rai_missions.profile.profile import Robot
 from rai_missions.profile.sent_fields import unknown_sent_fields
@@ -61,7 +61,7 @@ def why_unreadable(source: Source, message: Mapping[str, Any]) -> str:
 
 def _not_finite(there: Any, place: str, depth: int = 0) -> Iterator[tuple[str, float]]:
     """The numbers that cannot be reckoned with, each with its place."""
-    if isinstance(there, int | float) and not is_number(there) and not isinstance(there, bool):
+    if is_numeric(there) and not is_number(there):
         yield place, there
     elif depth < DEEPEST and isinstance(there, Mapping | list | tuple):
         for name, item in there.items() if isinstance(there, Mapping) else enumerate(there):

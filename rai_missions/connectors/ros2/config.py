@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Any, get_args, get_type_hints
 
 from rai_missions.errors import UsageError, suggestion
+from rai_missions.plain_data import is_numeric
 from rai_missions.redaction import shown
 
 __all__ = ("DEFAULT", "Options", "QosProfile", "is_conventional", "read_options")
@@ -138,7 +139,7 @@ def _known(given: Mapping[str, Any], kind: type, place: str) -> Mapping[str, Any
 
 def _is(value: Any, kind: type) -> bool:
     if kind is float:
-        return isinstance(value, int | float) and not isinstance(value, bool)
+        return is_numeric(value)
     return isinstance(value, kind) and (kind is bool or not isinstance(value, bool))
 
 

@@ -22,7 +22,7 @@ from rai_missions.connectors.ros2.names import find_type
 from rai_missions.connectors.ros2.types import BYTES, CODES, NO_FIELD
 from rai_missions.errors import ConnectorError, suggestion
 from rai_missions.image import Image
-from rai_missions.plain_data import text_fault
+from rai_missions.plain_data import is_numeric, text_fault
 from rai_missions.redaction import cut, shown
 
 __all__ = (
@@ -157,7 +157,7 @@ def _integer(name: str, value: Any, place: str) -> int:
 
 
 def _number(name: str, value: Any, place: str) -> float:
-    if not isinstance(value, int | float) or isinstance(value, bool):
+    if not is_numeric(value):
         raise ConnectorError(f"{place}: {shown(value)} is no number, as {name} asks")
     if isinstance(value, float) and not math.isfinite(value):
         return float(value)

@@ -11,6 +11,7 @@ from rai_missions.engine.activities.ticker import TreeState
 from rai_missions.engine.templates import FilledTemplate, SentTemplate
 from rai_missions.guards.view import Operand, Site, View
 from rai_missions.keys import Key
+from rai_missions.plain_data import is_numeric
 from rai_missions.states import tree
 from rai_missions.states.effects import references
 
@@ -55,7 +56,7 @@ class TreePlace(NamedTuple):
 
 def added(value: Any, add: float) -> Any:
     """A number that stays whole where both are; None where there is none to add to."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
+    if not is_numeric(value):
         return None
     return value + (int(add) if isinstance(value, int) and add == int(add) else add)
 

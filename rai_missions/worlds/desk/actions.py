@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.connectors.connector import Data, OnReport
+from rai_missions.plain_data import is_numeric
 from rai_missions.worlds.desk.kinematics import ToolPose
 from rai_missions.worlds.desk.motion import Motion, SkillEnd, ThingPose
 from rai_missions.worlds.desk.skill_log import Skill
@@ -100,7 +101,7 @@ def _place(written: Any, field: str) -> ThingPose | str:
     if not isinstance(written, Mapping):
         return f"the goal has no '{field}'; give x, y, z (m) and yaw (rad) in panda_link0"
     numbers = [written.get(axis, 0.0 if axis == "yaw" else None) for axis in ("x", "y", "z", "yaw")]
-    if not all(isinstance(each, int | float) and not isinstance(each, bool) for each in numbers):
+    if not all(map(is_numeric, numbers)):
         return f"'{field}' is {dict(written)}; give x, y, z (m) and yaw (rad) in panda_link0"
     if not all(math.isfinite(each) for each in numbers):
         return f"'{field}' is not finite"
