@@ -113,9 +113,8 @@ class Goals:
         goal_id, own = self._sent(entry, effect)
         self._connector.send_goal(entry.action, entry.type, goal, goal_id=goal_id, on_report=on_report or own)
 
-    def _send_again(self, entry: ActionEntry, effect: StartGoal) -> None:
+    def _send_again(self, entry: ActionEntry, effect: StartGoal, on_report: OnReport) -> None:
         """Send a goal that may have been accepted meanwhile: its server takes no id twice."""
-        _, on_report = self._sent(entry, effect)
 
         def report(received: Report) -> None:
             if received.status == "rejected":
@@ -161,7 +160,7 @@ class Goals:
             if effect.number in self._unwanted:
                 self._end(effect.number, "canceled", {})
             else:
-                self._send_again(entry, effect)
+                self._send_again(entry, effect, on_report)
 
         if accepted and not entry.repeat:
             self._connector.find_goal(entry.action, entry.type, goal_id=goal_id, on_report=on_report)
