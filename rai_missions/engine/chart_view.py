@@ -121,7 +121,7 @@ class ChartView:
     @property
     def unreported(self) -> tuple[str, ...]:
         """The robot keys that the start waits for: never received, or stale whenever they were."""
-        state, waited = self._state, self.mission.needed_facts()
+        state, waited = self._state, self.mission.needed_facts() if self.unstarted else ()
         return tuple(name for name in waited if name not in state.board or name in state.outdated)
 
     @property

@@ -155,7 +155,7 @@ class MissionNode:
 
     def joined(self, setting: RunConfig) -> RunConfig:
         """A setting whose run travels over the node's connector, is reported by it and can be answered through it."""
-        return self._host.joined(setting, self._carrier, on_step=self._followed)
+        return self._host.joined(setting, self._carrier, on_step=self._followed, on_wait=self._publisher.changed)
 
     def attend(self, runner: Runner) -> RunSession:
         """Follow a run that is about to begin, by `RunSession.run`."""

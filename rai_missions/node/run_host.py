@@ -108,8 +108,17 @@ class RunHost:
         resumed = self.session if self.setting.resume is not None else None
         return self._clock.now() if resumed is None else resumed.runner.view.now()
 
-    def joined(self, setting: RunConfig, carrier: Carrier, *, on_step: Callable[[Step], None]) -> RunConfig:
-        """A setting whose run the node carries, reports and answers for."""
+    def joined(
+        self, setting: RunConfig, carrier: Carrier, *, on_step: Callable[[Step], None], on_wait: Callable[[], None]
+    ) -> RunConfig:
+        """A setting whose run the node carries, reports and answers for.
+
+        Args:
+            setting: What the run is made of.
+            carrier: The node's connector.
+            on_step: Called with each step.
+            on_wait: Called when what the run waits for of the robot has changed, which may be without a step.
+        """
         if carrier.robots:
             self._clock = self.published_clock or WallClock()
             setting = replace(setting, connector=None, opened=carrier.connector, clock=self._clock)
@@ -120,6 +129,8 @@ class RunHost:
         def follow(now: Status) -> None:
             if self.session is not None:
                 self.session.follow(now)  # what it changes is published with its step, which follows at once
+            if now.unreported:
+                on_wait()
 
         return setting.observed_by(RunObserver(on_step, follow))
 

@@ -79,7 +79,7 @@ class StatusMessage(NamedTuple):
     """Set once the run is over, every goal's end included: another may be begun."""
     why: str = ""
     waits: str = ""
-    """Which states wait for someone to have control."""
+    """What the mission waits for: facts of the robot, or someone to have control."""
     open_goals: tuple[OpenGoal, ...] = ()
     """The goals that may still be executing although nothing waits for them: the robot may still move."""
     held_by: str = ""

@@ -13,7 +13,6 @@ from typing import Any, NamedTuple
 
 from transitions import Machine, MachineError
 
-from rai_missions.engine import Chart
 from rai_missions.engine.activities.goal_ledger import OpenGoal
 from rai_missions.engine.chart_view import ChartView
 from rai_missions.engine.modes import ALIVE, MODE_TABLE, MODES, Mode, next_mode
@@ -45,18 +44,23 @@ class Status(NamedTuple):
     outcome: str | None = None
     why: str = ""
     waits: str = ""
-    """Which states wait for someone to have control, in words; empty where none does."""
+    """What the run waits for, in words: facts of the robot, or someone to have control; empty where nothing does."""
     open_goals: tuple[OpenGoal, ...] = ()
     """The goals that may still be executing although nothing waits for them: the robot may still move."""
     held_by: str = ""
     """Who holds the mission up: the `operator`, who has taken control, or `nobody`; empty while it is not held."""
     held_since: float | None = None
     """Since when, in seconds on the run's clock; None while it is not held."""
+    unreported: tuple[str, ...] = ()
+    """The robot keys without which the run does not start, or does not continue in another process."""
 
 
 def status_of(run: ChartView, revision: int = 0) -> Status:
     """How things are with a run."""
-    waits = _waits(run.waiting, run.holder, run.held_by) if run.mode in ALIVE else ""
+    unreported = run.unreported
+    facts = f"waits for the robot: {', '.join(unreported)}" if unreported else ""
+    control = _waits(run.waiting, run.holder, run.held_by) if run.mode in ALIVE else ""
+    waits = "; ".join(filter(None, (facts, control)))
     return Status(
         revision,
         run.mode,
@@ -68,6 +72,7 @@ def status_of(run: ChartView, revision: int = 0) -> Status:
         run.loose_goals,
         run.held_by,
         run.held_since,
+        unreported,
     )
 
 
@@ -230,8 +235,8 @@ class Lifecycle:
     def mode(self) -> str:
         return self._position.state
 
-    def observe(self, step: Step, chart: Chart) -> Status | None:
-        """Follow a step of a chart, which has just made it; the new status if anything in it changed.
+    def observe(self, step: Step, chart: ChartView) -> Status | None:
+        """Follow a step of a chart, which has made it last; the new status if anything in it changed.
 
         Raises:
             UsageError: The step went a way that no mission may go.
@@ -241,7 +246,7 @@ class Lifecycle:
             self._go(step, mode)
         self.control.follow(holder, taken=chart.taken)
         of_chart = chart.active, chart.outcome, chart.why, chart.waiting, chart.loose_goals, chart.held_since
-        made_of = (mode, holder, held_by, *of_chart)
+        made_of = (mode, holder, held_by, chart.unreported, *of_chart)
         if made_of == self._made_of:
             return None
         self._made_of = made_of

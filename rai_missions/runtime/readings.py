@@ -14,7 +14,7 @@ from typing import NamedTuple
 from rai_missions.keys import Key
 from rai_missions.redaction import cut
 
-__all__ = ("Readings", "SourceState", "offset_words", "refused")
+__all__ = ("Readings", "SourceState", "named_sources", "offset_words", "refused")
 
 RECENT = 20
 """Readings of a source by which its offset is known."""
@@ -90,6 +90,12 @@ def offset_words(offset_s: float) -> str:
     return f"its stamps are {abs(offset_s):.1f} s {'behind' if offset_s > 0 else 'ahead'}"
 
 
+def named_sources(states: Mapping[str, SourceState]) -> str:
+    """`battery (/rover/power), pose`: keys, each with its topic or service where that has another name."""
+    names = {key: "" if state.name.rpartition("/")[2] == key else state.name for key, state in states.items()}
+    return ", ".join(f"{key} ({source})" if source else key for key, source in names.items())
+
+
 def refused(missed: Mapping[str, SourceState], keys: Mapping[str, Key], ready_s: float) -> str:
     """Why a start is refused, in a sentence for each kind of reason.
 
@@ -98,10 +104,8 @@ def refused(missed: Mapping[str, SourceState], keys: Mapping[str, Key], ready_s:
         keys: The mission's.
         ready_s: How long it has waited.
     """
-    silent = {name: state.name for name, state in missed.items() if not state.received}
-    named = ", ".join(
-        name if source.rpartition("/")[2] in ("", name) else f"{name} ({source})" for name, source in silent.items()
-    )
+    silent = {name: state for name, state in missed.items() if not state.received}
+    named = named_sources(silent)
     sentences = [f"the robot has not reported within {ready_s:g} s: {named}; is it running?"] if silent else []
     if any(name in keys for name in silent):
         sentences.append('A key that the start need not wait for is "optional".')

@@ -115,6 +115,8 @@ class Runner(RunCommands):
         super().__init__(scheduler, control, self._executor.handovers)
         self._resumed: Resumption | None = None
         self._moved_aside: str | None = None
+        self._window: ResyncWindow | None = None
+        """What a resumed run waits for; None once it continues."""
         self._decisions, mode_by = 0, ""
         if isinstance(begin, Resumption):
             self._resumed, self._chart, self._arguments = begin, begin.chart, begin.arguments
@@ -131,7 +133,7 @@ class Runner(RunCommands):
         """Held from the call of `run` on."""
         self._steps = self._chart.seq
         """The number of the last step that is in a row of its own in the journal, or would be."""
-        self.view = RunView(self._chart, scheduler, control, self._executor, mode_by)
+        self.view = RunView(self._chart, scheduler, control, self._executor, self._missing, mode_by)
         """What others may read of it."""
         for each in (answerers or {}).values():
             if isinstance(each, ReadsRun):
@@ -260,8 +262,7 @@ class Runner(RunCommands):
 
     def _resume(self, resumed: Resumption) -> None:
         """Continue where a run was cut short, with what it had under way."""
-        if resumed.last is not None:
-            self._report_status(resumed.last)
+        self._report_awaited()
         self._lifecycle.control.keep(is_kept=self._chart.taken)
         self._writer.resume(resumed.at)
         if self._mailbox.urgent:
@@ -273,21 +274,33 @@ class Runner(RunCommands):
 
     def _resync(self) -> None:
         """Receive again what the robot had reported, before anything else happens; what arrives meanwhile waits."""
-        window = ResyncWindow(self._chart, self._clock.now())
+        window = self._window = ResyncWindow(self._chart, self._clock.now())
         while self._clock.now() < window.until:
             self._scheduler.run_due()
+            self._report_awaited()
             event = self._mailbox.take()
             if event is None:
                 self._clock.wait(self._mailbox, min(window.until, self._scheduler.due), paced=False)
             elif is_e_stop(event):
+                self._window = None
                 self._kill(event)
                 break
             else:
                 window.take(event)
                 if event.kind == "command" and event.name in ("stop", "cancel"):
                     self._executor.stop_everything()  # the chart has its turn when the run continues
+        self._window = None
         self._step(lambda: self._chart.send(window.event(self._clock.now())))
         self._mailbox.put_back(window.rest)
+
+    def _missing(self) -> tuple[str, ...]:
+        """The robot keys that a resumed run waits for."""
+        return self._window.missing if self._window is not None else ()
+
+    def _report_awaited(self) -> None:
+        """Report what a resumed run waits for, once more whenever a part of it has come."""
+        if self._resumed is not None and self._resumed.last is not None:
+            self._report_status(self._resumed.last)
 
     def _get_ready(self) -> None:
         """Receive every robot key once before the start."""
@@ -457,7 +470,7 @@ class Runner(RunCommands):
             self._loose = chart.loose_goals
             data = {"open_goals": [goal.data() for goal in self._loose]}
             self.note(may_move(self._loose) or "no goal may still move the robot", data)
-        status = self._lifecycle.observe(step, chart)
+        status = self._lifecycle.observe(step, self.view)
         is_stop = chart.outcome is not None and step.event.kind != "control"
         if status is not None and status.control == "nobody" and is_stop:
             self._executor.handovers.let_go(self._scheduler.wake)

@@ -6,7 +6,7 @@ Rule: from any thread, and nothing of the run can be changed through it; what is
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from rai_missions.engine import Chart
@@ -30,15 +30,22 @@ class RunView(ChartView):
         scheduler: The run's.
         control: Who holds control, and may get it.
         executor: Knows what the robot's sources report.
+        missing: The robot keys that a run of another process waits for before it continues.
         mode_by: Of a run that is resumed, who brought it into the mode in which it continues; empty where no one did.
     """
 
     def __init__(
-        self, chart: Chart, scheduler: Scheduler, control: Control, executor: EffectExecutor, mode_by: str = ""
+        self,
+        chart: Chart,
+        scheduler: Scheduler,
+        control: Control,
+        executor: EffectExecutor,
+        missing: Callable[[], tuple[str, ...]],
+        mode_by: str = "",
     ) -> None:
         super().__init__(chart.program, chart.state)
         self._chart, self._scheduler, self._control, self._executor = chart, scheduler, control, executor
-        self.resumed_mode_by = mode_by
+        self._missing, self.resumed_mode_by = missing, mode_by
 
     def now(self) -> float:
         """Seconds on the run's clock."""
@@ -62,6 +69,11 @@ class RunView(ChartView):
     def branch(self) -> Chart:
         """The chart again, where it is: what is done to it changes nothing in the run; on the run's own thread."""
         return self._chart.branch()
+
+    @property
+    def unreported(self) -> tuple[str, ...]:
+        """The robot keys that the run waits for: to start, or to continue in another process."""
+        return super().unreported if self._state.mode == "ready" else self._missing()
 
     def source(self, key: str) -> SourceState:
         """What is known of the readings of a robot key's source."""

@@ -26,7 +26,7 @@ from rai_missions.node.order import WORDS, OrderReply, read_order
 from rai_missions.node.transport import Carrier
 from rai_missions.node.web_operator import ACTS, WebOrders
 from rai_missions.profile.conversation import ORDERS
-from tests.node.scenes import Client, mission
+from tests.node.scenes import Client, FakeRobot, mission, robot
 from tests.node.test_run_session import AskingRun
 
 WHY = "the node is inactive"
@@ -129,4 +129,26 @@ def test_a_run_that_was_killed_in_a_pause_continues_by_who_paused_it(
         thread.join(30)
         node.conclude()
         client.await_status("it is canceled", outcome="canceled")
+    node.stop()
+
+
+def test_a_run_that_continues_shows_which_facts_it_waits_for(connector: LocalConnector, tmp_path: Path) -> None:
+    errand = mission(ready_s=600.0)
+    path, chart = tmp_path / "run.journal", Chart(errand, CompiledTrees())
+    with Journal.create(path, Header(dump(errand))) as journal:
+        for step in (chart.write("there", False, at=0.0), chart.start()):
+            journal.write(step, since=0.0)
+    setting = RunConfig(errand, robot({"kind": "local"}), journal=path, resume=path)
+    node = MissionNode(setting, "errand", managed=False, carrier=Carrier(connector, True, True))
+    node.run()
+    client, there = Client(connector, "/errand"), FakeRobot(connector)
+    with prepare(node.joined(setting)) as prepared:
+        thread = threading.Thread(target=node.attend(prepared.runner).run)
+        thread.start()
+        client.await_status("it waits", mode="running", active=["waiting"], waits="waits for the robot: there")
+        there.arrive()
+        client.await_status("it continues", mode="running", waits="")
+        assert client.call("cancel")["success"]
+        thread.join(30)
+        node.conclude()
     node.stop()

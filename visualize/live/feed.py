@@ -54,6 +54,9 @@ class FollowedRun(Protocol):
     def loose_goals(self) -> Sequence[OpenGoal]:
         """The goals that may still move the robot although nothing waits for them."""
 
+    def awaited_facts(self) -> str:
+        """The robot's keys that the run waits for, to start or to continue, in words; empty for none."""
+
 
 class RunFeed:
     """Follows a run of this process.
@@ -94,6 +97,10 @@ class RunFeed:
         self._is_renewed = True
         self._notify()
 
+    def look_again(self) -> None:
+        """What is no part of a step has changed; from any thread."""
+        self._notify()
+
     def talk(self, line: Mapping[str, Any]) -> None:
         """A line of the conversation; one of the same number replaces that. From any thread."""
         self._spoken[line.get("number")] = line
@@ -123,8 +130,7 @@ class RunFeed:
             try:
                 step = self._waiting.popleft()
             except IndexError:
-                scene.set_open_goals([goal.data() for goal in self._run().loose_goals()])
-                return scene
+                return self._outside_steps(scene)
             if step.seq > scene.seq + 1:
                 self._waiting.clear()
                 return self._whole()
@@ -145,8 +151,15 @@ class RunFeed:
         scene = self._run().look()
         for line in tuple(self._spoken.values()):
             scene.add_talk(line)
-        scene.set_open_goals([goal.data() for goal in self._run().loose_goals()])
+        self._outside_steps(scene)
         if self._order is not None:
             scene.recall_order(self._order)
         scene.recall(step for step in tuple(self._past) if step.seq <= scene.seq)
+        return scene
+
+    def _outside_steps(self, scene: RunScene) -> RunScene:
+        """Bring up to date what no step holds."""
+        run = self._run()
+        scene.set_open_goals([goal.data() for goal in run.loose_goals()])
+        scene.set_awaited_facts(run.awaited_facts())
         return scene

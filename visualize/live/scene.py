@@ -62,6 +62,8 @@ class RunScene:
     """Question's number, as text → option → why it would be refused if it were taken now."""
     open_goals: list[Json] = field(default_factory=list)
     """The goals that may still move the robot although nothing waits for them, as the journal has them."""
+    awaited_facts: str = ""
+    """The robot's keys that the run waits for, to start or to continue in another process; empty for none."""
     outcome: str = ""
     """How it ended; empty while it has not."""
     why: str = ""
@@ -152,6 +154,12 @@ class RunScene:
         if goals != self.open_goals:
             self.open_goals = goals
             self._fields.add("open_goals")
+
+    def set_awaited_facts(self, words: str) -> None:
+        """State which facts of the robot the run waits for."""
+        if words != self.awaited_facts:
+            self.awaited_facts = words
+            self._fields.add("awaited_facts")
 
     def set_closed_options(self, options: Mapping[int, Mapping[str, str]]) -> None:
         """State which options would be refused now, and why."""
@@ -281,7 +289,7 @@ class RunScene:
         """All of it."""
         names = ("mode", "control", "active", "questions", "outcome", "why", "closed", "paused_at", "cut", "faults",
                  "open_goals", "held_by", "held_since", "paused_by", "e_stop_by", "ended_at", "where",
-                 "run")  # fmt: skip
+                 "run", "awaited_facts")  # fmt: skip
         board = {key: self._entry(key) for key in sorted(self.board)}
         return {name: self._field(name) for name in names} | {
             "board": board,

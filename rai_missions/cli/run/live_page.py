@@ -13,6 +13,7 @@ from rai_missions.cli.command import PAGE_PORT
 from rai_missions.cli.run.find_page import left_tokens, run_file
 from rai_missions.cli.run.open_page import open_page
 from rai_missions.errors import UsageError
+from rai_missions.runtime.readings import named_sources
 from rai_missions.runtime.run_options import RunObserver
 
 if TYPE_CHECKING:
@@ -95,6 +96,10 @@ class ShownRun(NamedTuple):
     def loose_goals(self) -> Sequence[OpenGoal]:
         """The goals that may still move the robot although nothing waits for them."""
         return self.view.loose_goals
+
+    def awaited_facts(self) -> str:
+        """The robot's keys that the run waits for, to start or to continue, with their topics; empty for none."""
+        return named_sources({key: self.view.source(key) for key in self.view.unreported})
 
     def questions(self) -> list[Question]:
         """The questions that are open."""
@@ -235,3 +240,5 @@ class RunPage:
     def _follow_status(self, status: Status) -> None:
         if self._shown is not None:
             self._shown.session.follow(status)
+        if self._feed is not None and status.unreported:
+            self._feed.look_again()

@@ -84,6 +84,9 @@ class Run:
     def loose_goals(self) -> Sequence[OpenGoal]:
         return ()
 
+    def awaited_facts(self) -> str:
+        return ", ".join(self.chart.unreported)
+
     def start(self) -> Step:
         return self._made(self.chart.start(at=self.chart.at))
 

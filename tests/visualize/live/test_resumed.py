@@ -13,6 +13,7 @@ import pytest
 from rai_missions.agents.mission import RunConfig, prepare
 from rai_missions.cli.run.live_page import RunPage, page_of
 from rai_missions.cli.run.options import RunOptions
+from rai_missions.connectors.local import LocalConnector
 from rai_missions.engine import Chart
 from rai_missions.event import Event
 from rai_missions.journal import Journal
@@ -20,17 +21,25 @@ from rai_missions.recording import journal_of
 from rai_missions.replay.replay import replay
 from rai_missions.runtime.result import Result
 from rai_missions.runtime.runner import Runner
-from tests.node.scenes import mission
+from tests.node.scenes import mission, robot
 from tests.rigs.journals import raw_rows_of
 from tests.visualize.live.stage import Viewer, ask, until
 from visualize.live import LivePage, PageAddress
 
 
-def cut_short(journal: Path, *names: tuple[str, str]) -> None:
-    """A journal that ends while a question is open."""
-    with prepare(RunConfig(mission(), journal=journal)) as prepared:
+def cut_short(journal: Path, *names: tuple[str, str], there: bool | None = None) -> None:
+    """A journal that ends while a question is open, or after the start.
+
+    Args:
+        journal: Its file.
+        names: What happens after the start, with its kind.
+        there: What the robot had reported before.
+    """
+    with prepare(RunConfig(mission(), robot({"kind": "local"}), journal=journal)) as prepared:
         chart = Chart(prepared.mission)
         assert isinstance(prepared.journal, Journal)
+        if there is not None:
+            prepared.journal.write(chart.write("there", there, at=0.0), since=0.0)
         for number, (name, kind) in enumerate((("start", "command"), *names)):
             at = float(number)
             step = chart.start(at) if name == "start" else chart.send(Event(name, at, {}, kind))
@@ -75,6 +84,35 @@ def test_a_question_that_was_open_is_answered_on_the_page_of_the_process_that_co
     with journal_of(recording) as replayed:
         assert raw_rows_of(replayed.path) == raw_rows_of(journal)
         assert replay(replayed.path).outcome == "aborted"
+
+
+def test_the_page_of_a_run_that_continues_shows_which_facts_it_waits_for(tmp_path: Path) -> None:
+    pytest.importorskip("uvicorn", reason="no server: pip install '.[watch]'")
+    journal, connector = tmp_path / "a.journal", LocalConnector()
+    cut_short(journal, there=False)
+    page, ended = LivePage(PageAddress(port=0)), list[Result]()
+    watch = RunPage(page, RunConfig(None, journal=journal, resume=journal, opened=connector))
+    connector.start()
+
+    def run() -> None:
+        with prepare(watch.config) as prepared:
+            ended.append(watch.run(prepared, lambda runner: runner.run()))
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    try:
+        until(lambda: page.serves, "the page is there")
+        viewer = Viewer(page)
+        until(lambda: viewer.sees(mode="running", awaited_facts="there"), "what it waits for is shown")
+        connector.publish("/robot/there", "std_msgs/msg/Bool", {"data": True})
+        until(lambda: viewer.sees(mode="running", awaited_facts=""), "it continues")
+        assert ask(page, "POST", "/orders", b'{"command": "cancel"}')[2] == {"success": True, "why": ""}
+        thread.join(30)
+        viewer.cut()
+    finally:
+        page.stop()
+        connector.stop()
+    assert ended[0].outcome == "canceled"
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The strip below the bar that stays while a run is paused, is being canceled, or has ended, with the reason.
+// The strip below the bar that stays while a run waits for its robot, is paused, is being canceled, or has ended,
+// with the reason.
 
 /** The state in which a run does not simply continue: {state, sign, title, words}; null where it does. */
 function lasting({ mode, outcome, why, cut, played, paused_at: since, paused_by: by, e_stop_by: stopped,
-  ended_at: at }) {
+  ended_at: at, awaited_facts: facts }) {
   const when = (seconds) => (typeof seconds === "number" ? ` at ${seconds.toFixed(1)} s` : "");
   if (stopped) return { state: "e_stop", sign: "■", title: "E-stop",
     words: `by ${stopped}${when(at)}: the mission ended ${outcome}, and no one has control.` };
@@ -11,10 +12,14 @@ function lasting({ mode, outcome, why, cut, played, paused_at: since, paused_by:
     title: `${played ? "Played, ended" : "Ended"}: ${outcome}`,
     words: `${when(at).trim()}${at === null || at === undefined ? "" : ": "}${why}` };
   if (cut) return { state: "cut", sign: "■", title: played ? "Played" : "Cut short", words: cut };
+  const until = facts ? ` It waits for the robot: ${facts}.` : "";
   if (mode === "paused") return { state: "paused", sign: "‖", title: "Paused",
-    words: `${by ? `by ${by}` : ""}${when(since)}: timers and events wait.`.trim() };
+    words: `${by ? `by ${by}` : ""}${when(since)}: timers and events wait.${until}`.trim() };
   if (mode === "canceling") return { state: "canceling", sign: "…", title: "Canceling",
-    words: "what runs is brought to its end." };
+    words: `what runs is brought to its end.${until}` };
+  if (facts) return { state: "awaiting", sign: "…", title: "Waiting for the robot",
+    words: mode === "ready" ? `${facts}: the mission starts after that.`
+      : `${facts}: the mission continues after that. Cancel and E-stop act at once, other orders wait.` };
   return null;
 }
 
@@ -39,7 +44,7 @@ class StateStrip {
         make("span", { class: "why" }, found.words), this.button(found)] : []));
     if (this.host.scrollHeight > this.host.clientHeight) this.host.tabIndex = 0; // so that it is scrolled by keys
     else this.host.removeAttribute("tabindex");
-    if (found) this.announcer.once(`state ${text}`, text, { urgent: found.state !== "canceling" });
+    if (found) this.announcer.once(`state ${text}`, text, { urgent: !["canceling", "awaiting"].includes(found.state) });
     else if (before === "paused") this.announcer.once(`resumed ${++this.count}`, "The mission continues.");
   }
 
