@@ -304,8 +304,8 @@ class Keeping(RecordingSpace):
         super().__init__(Environment(mission), MOST)
         self.kept: list[Json] = []
 
-    def _leave(self, number: int, core: bytes, place: Place) -> None:
-        super()._leave(number, core, place)
+    def _leave(self, number: int, run_key: bytes, place: Place) -> None:
+        super()._leave(number, run_key, place)
         self.kept += [event.data.get("data", event.data) for event in place.saved.run.kept]
 
 

@@ -140,7 +140,7 @@ def test_in_a_pause_what_was_asked_for_control_is_like_what_was_interrupted() ->
         assert bool(paused.chart.state.pending) is is_asked
         paused.make(paused.ordering("pause"))
         paused.settle()
-        cores.add(paused.codec.core())
+        cores.add(paused.codec.run_key())
     assert len(cores) == 1
 
 

@@ -222,8 +222,8 @@ class StateCodec:
 
     # -- what distinguishes states ----------------------------------------------------------------------------------
 
-    def core(self) -> bytes:
-        """The key of a state without its store, 16 bytes: equal for two states that differ in their stores alone."""
+    def run_key(self) -> bytes:
+        """The key of a run, a state without its store, 16 bytes: equal where states differ in their stores alone."""
         state = self._chart.state
         values = self._keyed_values(state)
         keyed = [
@@ -231,8 +231,8 @@ class StateCodec:
         ]
         return fingerprint((self._plain_values(state), keyed, groups_key(self.groups)))
 
-    def core_of(self, run: RunState, fields: Mapping[str, Any]) -> bytes:
-        """The `core` of what is left of a saved state: with these fields in place of its own, and no active states."""
+    def run_key_of(self, run: RunState, fields: Mapping[str, Any]) -> bytes:
+        """The `run_key` of what is left of a saved state: with these fields, and no active states."""
         keyed = [
             (name, to_key(value))
             for name, to_key in self._to_keys.items()
@@ -294,14 +294,14 @@ class StateCodec:
     # -- rounds of loops ------------------------------------------------------------------------------------------
 
     def levels(self) -> tuple[tuple[Loop, int, bytes], ...]:
-        """Each loop that runs, how many of its rounds have ended, and the core but for this number."""
+        """Each loop that runs, how many of its rounds have ended, and the key of the run but for this number."""
         found, state = [], self._chart.state
         for loop in self.loops:
             ended = self._rounds_of(loop)
             if ended is not None:
                 running = state.running
                 state.running = {**running, loop.state: _counting(running[loop.state], loop, None)}
-                found.append((loop, ended, self.core()))
+                found.append((loop, ended, self.run_key()))
                 state.running = running
         return tuple(found)
 
@@ -318,7 +318,7 @@ class StateCodec:
         for loop in self.loops:
             if self._rounds_of(loop) is not None:
                 state.running = {**state.running, loop.state: _counting(state.running[loop.state], loop, None)}
-        key = self.core() + self.ahead().question.of(self.place().store) if state.outcome is None else b""
+        key = self.run_key() + self.ahead().question.of(self.place().store) if state.outcome is None else b""
         state.running = running
         return key
 

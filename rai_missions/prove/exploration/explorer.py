@@ -19,7 +19,7 @@ from rai_missions.prove.exploration.findings import Findings
 from rai_missions.prove.exploration.part_codes import PartCodes
 from rai_missions.prove.exploration.part_courses import CHANGE, END, MOVE, NotedArrival
 from rai_missions.prove.exploration.part_steps import PartSteps
-from rai_missions.prove.exploration.region_parts import PartNumbers, RegionParts
+from rai_missions.prove.exploration.region_parts import PartedState, RegionParts
 from rai_missions.prove.exploration.regions import Regions
 from rai_missions.prove.exploration.separate_regions import EntangledError, SeparateRegions, may_be_apart
 from rai_missions.prove.exploration.step_cache import (
@@ -41,13 +41,13 @@ from rai_missions.prove.stimulus import CANCEL, START, Stimulus
 __all__ = ("Edge", "Space")
 
 NOW_AND_THEN = 100
-MOST_CORES = 20_000
+MOST_RUNS = 20_000
 """States that are remembered with all that happened in them."""
 OnProgress = Callable[[int, int], None]
 
 
-class CoreCases(NamedTuple):
-    """What can happen in all states of one core, or on account of the same goals there, and what has come of it."""
+class RunCases(NamedTuple):
+    """What can happen in all states of one run, or on account of the same goals there, and what has come of it."""
 
     saved: SavedState
     """The first of these states: the others differ from it in their stores alone."""
@@ -57,8 +57,8 @@ class CoreCases(NamedTuple):
     caches: Sequence[StepCache]
 
 
-class KnownCore(NamedTuple):
-    """What is known of all states of one core with the same goals that nothing pursues."""
+class KnownRun(NamedTuple):
+    """What is known of all states of one run with the same goals that nothing pursues."""
 
     waiting: int
     """The number of the set of what waits for time."""
@@ -106,17 +106,17 @@ class Space(StateGraph):
         self.fresh = environment.codec.place()
         """Before the start."""
         self._frontier: deque[tuple[int, bytes, SavedState | None, Store, int]] = deque()
-        """Number of a state, its core and the state itself, or neither and its code; its store."""
+        """Number of a state, the key of its run and the state itself, or neither and its code; its store."""
         self._has_stores = False
         """States can differ in their stores alone."""
-        self._cores: dict[bytes, CoreCases] = {}
-        """Core, or core and goals, → what can happen there, and what came of it."""
+        self._cases_of: dict[bytes, RunCases] = {}
+        """Key of a run, or of one with goals, → what can happen there, and what came of it."""
         self._words_here: Sequence[frozenset[str]] = ()
         """What waits for time in each part of the state that is left, where it is taken apart."""
         self._goal_words = frozenset[str]()
         """What waits for time on account of the goals of the store of the state that is left."""
-        self._known: dict[bytes, KnownCore] = {}
-        """Core and goals → what is known of all states there."""
+        self._known: dict[bytes, KnownRun] = {}
+        """Key of a run with goals → what is known of all states there."""
         self.ends: dict[int, str] = {}
         """Number of a state → the outcome with which the run has ended in it."""
         self.canceling: set[int] = set()
@@ -173,9 +173,9 @@ class Space(StateGraph):
         self.each_way(start, StepOrigin(-1, self.fresh), StepCache())
         frontier = self._frontier
         while frontier and not self.is_over:
-            number, core, saved, store, code = frontier.popleft()
+            number, run_key, saved, store, code = frontier.popleft()
             if saved is not None:
-                self._leave(number, core, Place(saved, store))
+                self._leave(number, run_key, Place(saved, store))
             elif by_parts is not None:
                 by_parts.leave(number, store, code)
             self.done += 1
@@ -193,10 +193,10 @@ class Space(StateGraph):
 
     # -- one state ------------------------------------------------------------------------------------------------
 
-    def _leave(self, number: int, core: bytes, place: Place) -> None:
+    def _leave(self, number: int, run_key: bytes, place: Place) -> None:
         """Everything that can happen in a state; what concerns its goals alone comes last."""
         store = place.store
-        with_goals = core + self._every_goal.of(store) if store.goals else core
+        with_goals = run_key + self._every_goal.of(store) if store.goals else run_key
         inside = self._known.get(with_goals)
         cached = inside.whole.find(store) if inside is not None else None
         if inside is not None and cached is not None and self.meter.has_room(cached.steps):
@@ -204,16 +204,16 @@ class Space(StateGraph):
             self._goal_words = inside.goal_words
             self.again(cached, number, store)
             return
-        known = self._cores.get(core)
+        known = self._cases_of.get(run_key)
         if known is None:
             self.findings.stop(number, place)
-            known = self._core_cases(core, place.saved, self._every_case(number, place))
+            known = self._run_cases(run_key, place.saved, self._every_case(number, place))
         else:
             place = Place(known.saved, store)
-        more = self._cores.get(with_goals) if store.goals else CoreCases(known.saved, (), (), ())
-        more = more if more is not None else self._core_cases(with_goals, known.saved, self._of_goals(place))
+        more = self._cases_of.get(with_goals) if store.goals else RunCases(known.saved, (), (), ())
+        more = more if more is not None else self._run_cases(with_goals, known.saved, self._of_goals(place))
         here = StepOrigin(number, place, known.timed, more.timed)
-        inside = self._known_core(here, with_goals)
+        inside = self._known_run(here, with_goals)
         cached_steps: list[CachedStep] = []
         cases, caches = (*known.cases, *more.cases), (*known.caches, *more.caches)
         for case, cache in zip(cases, caches, strict=True):
@@ -231,12 +231,12 @@ class Space(StateGraph):
             whole = joined(cached_steps)
             inside.whole.add(self._stores.question(whole.asked), store, whole)
 
-    def _known_core(self, here: StepOrigin, place: bytes) -> KnownCore:
-        """What is known of all states of a core with the same goals; first of all what waits for time there."""
+    def _known_run(self, here: StepOrigin, place: bytes) -> KnownRun:
+        """What is known of all states of a run with the same goals; first of all what waits for time there."""
         self._goal_words = frozenset(each.happening.words for each in here.goals)
         words = self._goal_words.union(each.happening.words for each in here.waiting)
         number = self.note_words(here.number, words)
-        inside = self._known.get(place) or KnownCore(number, self._goal_words, CaseTable())
+        inside = self._known.get(place) or KnownRun(number, self._goal_words, CaseTable())
         if self._has_stores:
             self._known[place] = inside
         return inside
@@ -259,29 +259,29 @@ class Space(StateGraph):
         self.environment.load(place)
         return _cases(self.environment.of_goals())
 
-    def _core_cases(self, place: bytes, saved: SavedState, cases: list[StepCase]) -> CoreCases:
+    def _run_cases(self, place: bytes, saved: SavedState, cases: list[StepCase]) -> RunCases:
         """Room for what comes of what happens in a place; it is not kept where nothing can be found there again."""
-        made = CoreCases(saved, cases, _timed(cases), [StepCache() for _ in cases])
+        made = RunCases(saved, cases, _timed(cases), [StepCache() for _ in cases])
         if self._has_stores:
-            if len(self._cores) >= MOST_CORES:
-                self._cores.clear()
+            if len(self._cases_of) >= MOST_RUNS:
+                self._cases_of.clear()
                 self._known.clear()
-            self._cores[place] = made
+            self._cases_of[place] = made
         return made
 
-    def again(self, cached: CachedStep, source: int, store: Store, spot: PartNumbers | None = None) -> None:
+    def again(self, cached: CachedStep, source: int, store: Store, parted: PartedState | None = None) -> None:
         """Repeat a cached step in a state that differs in its store alone, or in parts that make no difference."""
         self.steps += cached.steps
         self.meter.spend(cached.steps, self.states)
         for arrival in cached.arrivals:
-            self._arrive(source, arrival, store, spot)
+            self._arrive(source, arrival, store, parted)
 
     def each_way(self, case: StepCase, here: StepOrigin, before: StepCache, view: PartsView = WHOLE) -> CachedStep:
         """Let it happen in each way in which it can; those that went so before are not gone again."""
         store, arrivals, steps, asked = here.place.store, [], 0, set[object]()
         footprint = NOTHING
         chosen: tuple[int, ...] | None = ()
-        keeps = self._has_stores or here.spot is not None
+        keeps = self._has_stores or here.parted is not None
         self.environment.choices.forget_ways()
         while chosen is not None:
             ways = before.ways.get(chosen)
@@ -297,7 +297,7 @@ class Space(StateGraph):
             asked |= made.asked
             footprint = both(footprint, made.footprint)
             if made.arrival is not None:
-                self._arrive(here.number, made.arrival, store, here.spot)
+                self._arrive(here.number, made.arrival, store, here.parted)
                 arrivals.append(made.arrival)
             chosen = made.after
             if self.meter.spend(1, self.states) and chosen is not None and self.is_over:
@@ -309,13 +309,17 @@ class Space(StateGraph):
             before.whole.add(self._stores.question(asked), store, cached, view)
         return cached
 
-    def _arrive(self, source: int, arrival: Arrival, before: Store, spot: PartNumbers | None) -> None:
+    def _arrive(self, source: int, arrival: Arrival, before: Store, parted: PartedState | None) -> None:
         """Take note of a step and of the state it leads to."""
-        change, store, answer, target = arrival.change, before, b"", arrival.spot
-        key: bytes | int = arrival.core
+        change, store, answer, target = arrival.change, before, b"", arrival.parted
+        key: bytes | int = arrival.run_key
         if change is not None:
             store, answer = self._stores.after(before, change)
-            key = arrival.core + answer if target is None else self._code_after(source, arrival, target, answer, spot)
+            key = (
+                arrival.run_key + answer
+                if target is None
+                else self._code_after(source, arrival, target, answer, parted)
+            )
         number = self._numbers.get(key)
         if number is None:
             number = self._find(key, source, arrival, store, answer)
@@ -327,17 +331,17 @@ class Space(StateGraph):
         kept = arrival.kept
         if kept is not None and self._goal_words and not arrival.is_of_goal:
             kept |= self._goal_words
-        if kept is not None and spot is not None and arrival.changed is not None:
+        if kept is not None and parted is not None and arrival.changed is not None:
             kept = kept.union(*(words for group, words in enumerate(self._words_here) if group not in arrival.needs))
         self.join(source, number, kind, kept)
 
     def _code_after(
-        self, source: int, arrival: Arrival, target: PartNumbers, answer: bytes, spot: PartNumbers | None
+        self, source: int, arrival: Arrival, target: PartedState, answer: bytes, parted: PartedState | None
     ) -> int:
         """The code of the state that a step leads to, where it is taken apart."""
-        stays = arrival.changed is not None and spot is not None
-        if arrival.changed is not None and spot is not None:
-            target = spot.moved(target.frame, arrival.changed)
+        stays = arrival.changed is not None and parted is not None
+        if arrival.changed is not None and parted is not None:
+            target = parted.moved(target.frame, arrival.changed)
         code = self._codes.code(target, answer)
         if self._apart is not None and not stays:
             depth = self._depths[source] + 1 if source >= 0 else 1
@@ -355,16 +359,16 @@ class Space(StateGraph):
                 if number is None:
                     after = self._stores.after(store, change)[0] if change is not None else store
                     number = self._find(code + shift, source, arrival, after, b"")
-            elif sort == CHANGE and change is not None and arrival.spot is not None:
+            elif sort == CHANGE and change is not None and arrival.parted is not None:
                 after, answer = self._stores.after(store, change)
-                key = codes.first(arrival.spot, answer) + inner + shift
+                key = codes.first(arrival.parted, answer) + inner + shift
                 number = numbers.get(key)
                 if number is None:
                     number = self._find(key, source, arrival, after, answer)
             else:
-                number = numbers.get(arrival.core) if sort == END else None
+                number = numbers.get(arrival.run_key) if sort == END else None
                 if number is None:
-                    self._arrive(source, arrival, store, codes.spot(code))
+                    self._arrive(source, arrival, store, codes.state(code))
             if number is not None and number != source and arrival.kind != "command":
                 targets.append(number)
                 kept.append(REPORTED)
@@ -383,9 +387,9 @@ class Space(StateGraph):
         elif isinstance(key, int):
             self._frontier.append((number, b"", None, store, key))
         elif arrival.state is not None:
-            self._frontier.append((number, arrival.core, arrival.state, store, 0))
+            self._frontier.append((number, arrival.run_key, arrival.state, store, 0))
             if arrival.levels:
-                self.levels[number] = {loop: Level(ended, core + answer) for loop, ended, core in arrival.levels}
+                self.levels[number] = {loop: Level(ended, run_key + answer) for loop, ended, run_key in arrival.levels}
             if arrival.mode == "canceling":
                 self.canceling.add(number)
         return number

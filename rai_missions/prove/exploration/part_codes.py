@@ -6,7 +6,7 @@ Rule: two such states are the same where their codes are.
 
 from __future__ import annotations
 
-from rai_missions.prove.exploration.region_parts import PartNumbers
+from rai_missions.prove.exploration.region_parts import PartedState
 
 __all__ = ("BITS", "PartCodes")
 
@@ -29,21 +29,21 @@ class PartCodes:
         self._frames: list[tuple[int, range]] = []
         """Of each head the frame, and where in a code with it the parts are."""
 
-    def code(self, spot: PartNumbers, answer: bytes) -> int:
+    def code(self, parted: PartedState, answer: bytes) -> int:
         """The code of a state.
 
         Args:
-            spot: Its frame and its parts.
+            parted: Its frame and its parts.
             answer: All of its store that makes a difference.
         """
-        code = self._head(spot, answer)
-        for part in spot.parts:
+        code = self._head(parted, answer)
+        for part in parted.parts:
             code = code << BITS | part
-        return code << BITS * (self.widest - len(spot.parts))
+        return code << BITS * (self.widest - len(parted.parts))
 
-    def first(self, spot: PartNumbers, answer: bytes) -> int:
+    def first(self, parted: PartedState, answer: bytes) -> int:
         """The code of a state with this frame and these answers whose parts are all 0."""
-        return self._head(spot, answer) << self._width
+        return self._head(parted, answer) << self._width
 
     def head_of(self, code: int) -> int:
         """The number of the frame and of what matters of the store: what is left of a code without its parts."""
@@ -53,13 +53,13 @@ class PartCodes:
         """A code without its head."""
         return code & (1 << self._width) - 1
 
-    def spot(self, code: int) -> PartNumbers:
+    def state(self, code: int) -> PartedState:
         """The frame and the parts of the state that has a code."""
         frame, places = self._frames[code >> self._width]
-        return PartNumbers(frame, tuple([code >> BITS * place & (1 << BITS) - 1 for place in places]))
+        return PartedState(frame, tuple([code >> BITS * place & (1 << BITS) - 1 for place in places]))
 
-    def _head(self, spot: PartNumbers, answer: bytes) -> int:
-        found = self._heads.setdefault((spot.frame, answer), len(self._heads))
+    def _head(self, parted: PartedState, answer: bytes) -> int:
+        found = self._heads.setdefault((parted.frame, answer), len(self._heads))
         if found == len(self._frames):
-            self._frames.append((spot.frame, range(self.widest - 1, self.widest - 1 - len(spot.parts), -1)))
+            self._frames.append((parted.frame, range(self.widest - 1, self.widest - 1 - len(parted.parts), -1)))
         return found

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from rai_missions.prove.abstraction.store import Store, StoreChange, StoreQuery
 from rai_missions.prove.exploration.part_codes import BITS
-from rai_missions.prove.exploration.region_parts import Part, PartNumbers
+from rai_missions.prove.exploration.region_parts import Part, PartedState
 from rai_missions.prove.exploration.step_cache import Arrival, CachedStep, CaseTable, StepCache
 from rai_missions.prove.exploration.step_maker import StepCase
 
@@ -25,11 +25,11 @@ __all__ = (
     "OUTER",
     "TREES",
     "Course",
+    "GroupCases",
     "Half",
     "Halves",
     "NotedArrival",
-    "Share",
-    "Slot",
+    "PartEntry",
 )
 
 LOUD, KEPT, TREES, ENDED = 1, 2, 4, 8
@@ -57,17 +57,17 @@ class Course:
 
     Args:
         step: That.
-        spot: A state in which it happens.
+        parted: A state in which it happens.
         widest: The most parts that a state of the mission has.
     """
 
     __slots__ = ("footprint", "noted", "step", "steps", "wakes")
 
-    def __init__(self, step: CachedStep, spot: PartNumbers, widest: int) -> None:
+    def __init__(self, step: CachedStep, parted: PartedState, widest: int) -> None:
         self.step, self.footprint, self.steps = step, step.footprint, step.steps
         self.wakes = self.footprint.wakes << SUMMARY | self.footprint.leaves * LOUD
         """Where one of these is in the summary of a state, another part may be woken, or not be quiet."""
-        found = (_noted(arrival, spot, widest) for arrival in step.arrivals)
+        found = (_noted(arrival, parted, widest) for arrival in step.arrivals)
         self.noted = [each for each in found if each is not None]
 
     def rests_on(self, group: int) -> bool:
@@ -77,21 +77,21 @@ class Course:
         return footprint.needs in ((), (group,)) and all(each == group for each in changed)
 
 
-def _noted(arrival: Arrival, spot: PartNumbers, widest: int) -> NotedArrival | None:
+def _noted(arrival: Arrival, parted: PartedState, widest: int) -> NotedArrival | None:
     """What came of a step, as it is noted in a state; None where it changes nothing."""
-    target, change, changed, kind = arrival.spot, arrival.change, arrival.changed, arrival.kind
+    target, change, changed, kind = arrival.parted, arrival.change, arrival.changed, arrival.kind
     if arrival.ended is not None and kind != "time":
         return NotedArrival(END, 0, change, arrival)
     if target is None or changed is None or change is None or kind in ("time", "command"):
         return NotedArrival(OTHER, 0, change, arrival)
-    shift = sum((part - spot.parts[group]) << BITS * (widest - 1 - group) for group, part in changed)
+    shift = sum((part - parted.parts[group]) << BITS * (widest - 1 - group) for group, part in changed)
     is_kept = not (change.written or change.added or change.goals or change.is_absolute)
-    if target.frame != spot.frame or not is_kept:
+    if target.frame != parted.frame or not is_kept:
         return NotedArrival(CHANGE, shift, change, arrival)
     return NotedArrival(MOVE, shift, change, arrival) if changed else None
 
 
-class Share:
+class GroupCases:
     """What can happen on account of one part, or of the frame.
 
     Args:
@@ -110,56 +110,56 @@ class Share:
         """All that it comes to."""
 
 
-class Slot:
-    """A part in a frame.
+class PartEntry:
+    """A part in a frame, with what can happen on its account.
 
     Args:
         part: As it was numbered.
     """
 
-    __slots__ = ("last", "part", "share", "summary")
+    __slots__ = ("cases", "last", "part", "summary")
 
     def __init__(self, part: Part) -> None:
         self.part = part
         kept, trees = part.runs
         self.summary = part.wakes << SUMMARY | (not part.is_quiet) * LOUD | kept * KEPT | trees * TREES
         self.summary |= part.is_ended * ENDED
-        self.share: Share | None = None
+        self.cases: GroupCases | None = None
         """What can happen on its account; `last` where all others have come to their ends."""
-        self.last: Share | None = None
+        self.last: GroupCases | None = None
 
-    def have(self, share: Share, *, is_last: bool) -> None:
+    def have(self, cases: GroupCases, *, is_last: bool) -> None:
         """Note what can happen on account of the part."""
         if is_last:
-            self.last = share
+            self.last = cases
         else:
-            self.share = share
+            self.cases = cases
 
 
 class Half:
     """Parts of states that are next to each other, and what can happen on their account.
 
     Args:
-        slots: The parts.
+        entries: The parts.
         first: The group of the first one.
         found: What can happen on account of each, and what it comes to.
     """
 
     __slots__ = ("is_own", "noted", "open", "reads", "steps", "summary", "turns", "waits", "wakes", "words")
 
-    def __init__(self, slots: Sequence[Slot], first: int, found: Sequence[tuple[Share, Course]]) -> None:
-        self.is_own = all(course.rests_on(share.group) for share, course in found)
+    def __init__(self, entries: Sequence[PartEntry], first: int, found: Sequence[tuple[GroupCases, Course]]) -> None:
+        self.is_own = all(course.rests_on(cases.group) for cases, course in found)
         """Each rests on its own part."""
         self.noted = [each for _, course in found for each in course.noted]
         self.steps = sum(course.steps for _, course in found)
-        self.words = [share.words for share, _ in found]
+        self.words = [cases.words for cases, _ in found]
         """What of it waits for time, part by part."""
         self.waits = any(self.words)
-        self.summary = reduce(or_, (slot.summary for slot in slots), 0)
-        self.open = sum(not slot.summary & ENDED for slot in slots)
+        self.summary = reduce(or_, (entry.summary for entry in entries), 0)
+        self.open = sum(not entry.summary & ENDED for entry in entries)
         """How many of the parts have not come to their ends."""
         self.wakes = reduce(or_, (course.wakes for _, course in found), 0)
-        parts = [slot.part for slot in slots]
+        parts = [entry.part for entry in entries]
         self.reads = _reads(parts)
         """What may be read later on account of these parts."""
         self.turns: list[tuple[frozenset[str], frozenset[str]]] = []

@@ -24,13 +24,13 @@ from rai_missions.prove.exploration.part_courses import (
     OUTER,
     TREES,
     Course,
+    GroupCases,
     Half,
     Halves,
     NotedArrival,
-    Share,
-    Slot,
+    PartEntry,
 )
-from rai_missions.prove.exploration.region_parts import PartNumbers, RegionParts
+from rai_missions.prove.exploration.region_parts import PartedState, RegionParts
 from rai_missions.prove.exploration.regions import OF_GOALS, OUTSIDE
 from rai_missions.prove.exploration.separate_regions import EntangledError, SeparateRegions
 from rai_missions.prove.exploration.step_cache import CachedStep, PartsView, StepCache, joined
@@ -72,7 +72,7 @@ class Search(Protocol):
         self, noted: Iterable[Sequence[NotedArrival]], steps: int, source: int, store: Store, code: int
     ) -> None: ...
 
-    def again(self, cached: CachedStep, source: int, store: Store, spot: PartNumbers | None = None) -> None: ...
+    def again(self, cached: CachedStep, source: int, store: Store, parted: PartedState | None = None) -> None: ...
 
     def each_way(self, case: StepCase, here: StepOrigin, before: StepCache, view: PartsView) -> CachedStep: ...
 
@@ -101,9 +101,9 @@ class PartSteps:
         self._search, self._parts, self._codes, self._stores = search, parts, codes, stores
         self._owner_of, self._apart = owner_of, apart
         self._every_goal = stores.question([ALL_GOALS])
-        self._shares: dict[Any, Share] = {}
+        self._around: dict[Any, GroupCases] = {}
         """StateFrame, with what all parts of a state have in common, → what can happen around them."""
-        self._slots: list[list[dict[int, Slot]]] = []
+        self._entries: list[list[dict[int, PartEntry]]] = []
         """StateFrame, group, number of a part → it."""
         self._by_frame: dict[int, HalfTable] = {}
         """StateFrame → what is known of halves of states that have it."""
@@ -115,9 +115,9 @@ class PartSteps:
     def leave(self, number: int, store: Store, code: int) -> None:
         """Everything that can happen in a state, which has a code among others."""
         if self._apart is not None:
-            self._leave_apart(self._apart, number, self._codes.spot(code), store, code)
+            self._leave_apart(self._apart, number, self._codes.state(code), store, code)
         elif not self._leave_by_halves(number, store, code):
-            self._leave_by_parts(number, self._codes.spot(code), store, code)
+            self._leave_by_parts(number, self._codes.state(code), store, code)
 
     def _leave_by_halves(self, number: int, store: Store, code: int) -> bool:
         """Leave a state by halves of its parts, where each is known and rests on itself alone; whether that is so."""
@@ -152,7 +152,7 @@ class PartSteps:
 
     def _table(self, code: int) -> HalfTable:
         """What is known of the halves of states with the frame of one."""
-        table = self._by_frame.setdefault(self._codes.spot(code).frame, (Halves(), Halves(), Halves()))
+        table = self._by_frame.setdefault(self._codes.state(code).frame, (Halves(), Halves(), Halves()))
         self._tables[self._codes.head_of(code)] = table
         return table
 
@@ -162,159 +162,159 @@ class PartSteps:
             self._tables.clear()
             self._by_frame.clear()
             self._halves = 0
-        spot, middle = self._codes.spot(code), self._codes.widest - self._codes.widest // 2
-        slots, view = self._slots_of(spot), self._view(spot)
-        around = reduce(or_, (slot.summary for slot in slots)) & OUTER
-        for halves, key, first, some, shares in (
-            (table[0], codes[0], 0, slots[:middle], [slot.share for slot in slots[:middle]]),
-            (table[1], codes[1], middle, slots[middle:], [slot.share for slot in slots[middle:]]),
-            (table[2], around, 0, [], [self._shares.get((spot.frame, around))]),
+        parted, middle = self._codes.state(code), self._codes.widest - self._codes.widest // 2
+        entries, view = self._entries_of(parted), self._view(parted)
+        around = reduce(or_, (entry.summary for entry in entries)) & OUTER
+        for halves, key, first, some, by_group in (
+            (table[0], codes[0], 0, entries[:middle], [entry.cases for entry in entries[:middle]]),
+            (table[1], codes[1], middle, entries[middle:], [entry.cases for entry in entries[middle:]]),
+            (table[2], around, 0, [], [self._around.get((parted.frame, around))]),
         ):
-            if halves.find(key, store) is None and (found := self._known(shares, store, view)) is not None:
+            if halves.find(key, store) is None and (found := self._known(by_group, store, view)) is not None:
                 asked = frozenset[object]().union(*(course.step.asked for _, course in found))
                 halves.add(key, self._stores.question(asked), store, Half(some, first, found))
                 self._halves += 1
 
-    def _leave_by_parts(self, number: int, spot: PartNumbers, store: Store, code: int) -> None:
+    def _leave_by_parts(self, number: int, parted: PartedState, store: Store, code: int) -> None:
         """Leave a state part by part."""
-        search, slots = self._search, self._slots_of(spot)
-        summary = reduce(or_, (slot.summary for slot in slots))
-        shares = self._shares_of(spot, slots, summary, store)
-        found = self._known(shares, store, self._view(spot))
+        search, entries = self._search, self._entries_of(parted)
+        summary = reduce(or_, (entry.summary for entry in entries))
+        by_group = self._cases_of(parted, entries, summary, store)
+        found = self._known(by_group, store, self._view(parted))
         steps = sum(course.steps for _, course in found or ())
         if found is None or not search.meter.has_room(steps):
-            self._make(number, spot, store)
+            self._make(number, parted, store)
             return
-        if any(share.waits for share, _ in found):
-            self._note_waiting(number, shares)
+        if any(each.waits for each, _ in found):
+            self._note_waiting(number, by_group)
         else:
             search.note_no_waiting(number)
         search.repeat([course.noted for _, course in found], steps, number, store, code)
 
     def _known(
-        self, shares: Iterable[Share | None], store: Store, view: PartsView
-    ) -> list[tuple[Share, Course]] | None:
+        self, by_group: Iterable[GroupCases | None], store: Store, view: PartsView
+    ) -> list[tuple[GroupCases, Course]] | None:
         """Each with all that it comes to in a state; None where that is not known of all."""
         found = []
-        for share in shares:
-            course = share.joined.find(store, view) if share is not None else None
-            if share is None or course is None:
+        for each in by_group:
+            course = each.joined.find(store, view) if each is not None else None
+            if each is None or course is None:
                 return None
-            found.append((share, course))
+            found.append((each, course))
         return found
 
-    def _view(self, spot: PartNumbers) -> PartsView:
-        return PartsView(spot.parts, self._parts.of(spot))
+    def _view(self, parted: PartedState) -> PartsView:
+        return PartsView(parted.parts, self._parts.of(parted))
 
-    def _slots_of(self, spot: PartNumbers) -> list[Slot]:
-        frame, parts = spot
+    def _entries_of(self, parted: PartedState) -> list[PartEntry]:
+        frame, parts = parted
         try:
-            return [slots[number] for slots, number in zip(self._slots[frame], parts, strict=True)]
+            return [entries[number] for entries, number in zip(self._entries[frame], parts, strict=True)]
         except LookupError:
-            return self._new_slots(spot)
+            return self._new_entries(parted)
 
-    def _new_slots(self, spot: PartNumbers) -> list[Slot]:
-        while len(self._slots) <= spot.frame:
-            self._slots.append([{} for _ in self._parts.frames[len(self._slots)].parallel.members])
-        of = enumerate(zip(self._slots[spot.frame], spot.parts, strict=True))
-        return [slots.setdefault(number, Slot(self._parts.of(spot)[group])) for group, (slots, number) in of]
+    def _new_entries(self, parted: PartedState) -> list[PartEntry]:
+        while len(self._entries) <= parted.frame:
+            self._entries.append([{} for _ in self._parts.frames[len(self._entries)].parallel.members])
+        of = enumerate(zip(self._entries[parted.frame], parted.parts, strict=True))
+        return [entries.setdefault(number, PartEntry(self._parts.of(parted)[group])) for group, (entries, number) in of]
 
-    def _shares_of(self, spot: PartNumbers, slots: Sequence[Slot], summary: int, store: Store) -> list[Share | None]:
+    def _cases_of(
+        self, parted: PartedState, entries: Sequence[PartEntry], summary: int, store: Store
+    ) -> list[GroupCases | None]:
         """What can happen, as far as known, in each part, in the frame and with the goals that nothing pursues."""
         if summary & ENDED:
-            open_ = [group for group, slot in enumerate(slots) if not slot.summary & ENDED]
-            shares = [slot.last if open_ in ([], [group]) else slot.share for group, slot in enumerate(slots)]
+            open_ = [group for group, entry in enumerate(entries) if not entry.summary & ENDED]
+            by_group = [entry.last if open_ in ([], [group]) else entry.cases for group, entry in enumerate(entries)]
         else:
-            shares = [slot.share for slot in slots]
-        shares.append(self._shares.get((spot.frame, summary & OUTER)))
+            by_group = [entry.cases for entry in entries]
+        by_group.append(self._around.get((parted.frame, summary & OUTER)))
         if store.goals:
-            shares.append(self._shares.get((spot.frame, self._every_goal.of(store))))
-        return shares
+            by_group.append(self._around.get((parted.frame, self._every_goal.of(store))))
+        return by_group
 
-    def _note_waiting(self, number: int, shares: Sequence[Share | None]) -> None:
-        """Note what waits for time; no shares where nothing does."""
+    def _note_waiting(self, number: int, by_group: Sequence[GroupCases | None]) -> None:
+        """Note what waits for time; none where nothing does."""
         parts = [
-            share.words if share is not None else self._nothing for share in shares if share is None or share.group >= 0
+            each.words if each is not None else self._nothing for each in by_group if each is None or each.group >= 0
         ]
-        outer = [share.words for share in shares if share is not None and share.group == OUTSIDE]
-        goals = [share.words for share in shares if share is not None and share.group == OF_GOALS]
+        outer = [each.words for each in by_group if each is not None and each.group == OUTSIDE]
+        goals = [each.words for each in by_group if each is not None and each.group == OF_GOALS]
         self._search.note_parts(number, parts, self._nothing.union(*outer), self._nothing.union(*goals))
 
-    def _leave_apart(self, apart: SeparateRegions, number: int, spot: PartNumbers, store: Store, code: int) -> None:
+    def _leave_apart(self, apart: SeparateRegions, number: int, parted: PartedState, store: Store, code: int) -> None:
         """Leave a state with steps of one group alone, once that has moved."""
         head, depth = self._codes.head_of(code), self._search.depth_of(number)
-        groups = [*apart.moved(head, spot.parts), OUTSIDE]
-        summary = reduce(or_, (slot.summary for slot in self._slots_of(spot)))
-        shares = self._make(number, spot, store, groups)
-        if store.goals or summary & (LOUD | KEPT | TREES | ENDED) or any(each.waits for each in shares):
+        groups = [*apart.moved(head, parted.parts), OUTSIDE]
+        summary = reduce(or_, (entry.summary for entry in self._entries_of(parted)))
+        by_group = self._make(number, parted, store, groups)
+        if store.goals or summary & (LOUD | KEPT | TREES | ENDED) or any(each.waits for each in by_group):
             raise EntangledError
-        view = self._view(spot)
-        outcomes = {
-            share.group: found.step for share in shares if (found := share.joined.find(store, view)) is not None
-        }
+        view = self._view(parted)
+        outcomes = {each.group: found.step for each in by_group if (found := each.joined.find(store, view)) is not None}
         if not self._search.is_over:
-            apart.leave(head, spot, [part.wakes for part in view.parts], depth, outcomes)
+            apart.leave(head, parted, [part.wakes for part in view.parts], depth, outcomes)
 
-    def _make(self, number: int, spot: PartNumbers, store: Store, scopes: Sequence[int] = ()) -> list[Share]:
+    def _make(self, number: int, parted: PartedState, store: Store, scopes: Sequence[int] = ()) -> list[GroupCases]:
         """Make what can happen in a state, where not all of it is known.
 
         Args:
             number: The state's.
-            spot: Its parts.
+            parted: Its parts.
             store: Its store.
             scopes: Of which groups; none of these: of all, and of all that is around them.
 
         Returns:
             What can happen on account of each of these.
         """
-        view = self._view(spot)
-        place = self._parts.place(spot, store)
-        slots = self._slots_of(spot)
-        summary = reduce(or_, (slot.summary for slot in slots))
-        known = self._shares_of(spot, slots, summary, store)
+        view = self._view(parted)
+        place = self._parts.place(parted, store)
+        entries = self._entries_of(parted)
+        summary = reduce(or_, (entry.summary for entry in entries))
+        known = self._cases_of(parted, entries, summary, store)
         if None in known:
             self._search.findings.stop(number, place)
         found, others = self._search.cases(number, place)
-        by_scope = self._by_scope(spot, [*found, *others])
-        every = [*range(len(slots)), OUTSIDE, OF_GOALS]
+        by_scope = self._by_scope(parted, [*found, *others])
+        every = [*range(len(entries)), OUTSIDE, OF_GOALS]
         waiting = [
             [case for scope in some for case in by_scope[scope] if case.happening.kind == "time"]
             for some in (every[:-1], every[-1:])
         ]
-        here = StepOrigin(number, place, waiting[0], waiting[1], spot, view.parts)
-        shares = [share or Share(by_scope[scope], scope) for share, scope in zip(known, every, strict=False)]
-        open_ = [group for group, slot in enumerate(slots) if not slot.summary & ENDED]
-        for group, (slot, share) in enumerate(zip(slots, shares, strict=False)):
-            slot.have(share, is_last=open_ in ([], [group]))
-        self._shares[spot.frame, summary & OUTER] = shares[len(slots)]
+        here = StepOrigin(number, place, waiting[0], waiting[1], parted, view.parts)
+        by_group = [each or GroupCases(by_scope[scope], scope) for each, scope in zip(known, every, strict=False)]
+        open_ = [group for group, entry in enumerate(entries) if not entry.summary & ENDED]
+        for group, (entry, each) in enumerate(zip(entries, by_group, strict=False)):
+            entry.have(each, is_last=open_ in ([], [group]))
+        self._around[parted.frame, summary & OUTER] = by_group[len(entries)]
         if store.goals:
-            self._shares[spot.frame, self._every_goal.of(store)] = shares[-1]
-        self._note_waiting(number, shares)
-        made = [share for share in shares if not scopes or share.group in scopes]
-        for share in made:
-            self._make_share(share, by_scope[share.group], here, view)
+            self._around[parted.frame, self._every_goal.of(store)] = by_group[-1]
+        self._note_waiting(number, by_group)
+        made = [each for each in by_group if not scopes or each.group in scopes]
+        for each in made:
+            self._make_cases(each, by_scope[each.group], here, view)
         return made
 
-    def _make_share(self, share: Share, cases: Sequence[StepCase], here: StepOrigin, view: PartsView) -> None:
+    def _make_cases(self, each: GroupCases, cases: Sequence[StepCase], here: StepOrigin, view: PartsView) -> None:
         store, cached_steps = here.place.store, []
-        assert here.spot is not None
-        for case, cache in zip(cases, share.caches, strict=True):
+        assert here.parted is not None
+        for case, cache in zip(cases, each.caches, strict=True):
             if self._search.is_over:
                 self._search.cut_off(here.number)
                 return
             cached = cache.whole.find(store, view)
             if cached is not None:
-                self._search.again(cached, here.number, store, here.spot)
+                self._search.again(cached, here.number, store, here.parted)
             else:
                 cached = self._search.each_way(case, here, cache, view)
             cached_steps.append(cached)
         whole = joined(cached_steps)
-        made = Course(whole, here.spot, self._codes.widest)
-        share.joined.add(self._stores.question(whole.asked), store, made, view)
+        made = Course(whole, here.parted, self._codes.widest)
+        each.joined.add(self._stores.question(whole.asked), store, made, view)
 
-    def _by_scope(self, spot: PartNumbers, cases: Iterable[StepCase]) -> dict[int, list[StepCase]]:
+    def _by_scope(self, parted: PartedState, cases: Iterable[StepCase]) -> dict[int, list[StepCase]]:
         """What can happen in a state, which is loaded, by the group that it concerns."""
-        parallel, found = self._parts.frames[spot.frame].parallel, defaultdict[int, list[StepCase]](list)
+        parallel, found = self._parts.frames[parted.frame].parallel, defaultdict[int, list[StepCase]](list)
         for case in cases:
             owner = self._owner_of(case.happening.number) if case.happening.number else ""
             scope = self._parts.regions.scope(parallel, case.happening, owner)

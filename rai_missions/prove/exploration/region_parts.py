@@ -25,7 +25,7 @@ from rai_missions.prove.abstraction.store import Store, fingerprint
 from rai_missions.prove.analysis.branches import Groups, groups_key
 from rai_missions.prove.exploration.regions import TIME, RegionGroups, Regions
 
-__all__ = ("Part", "PartNumbers", "RegionParts", "StateFrame")
+__all__ = ("Part", "PartedState", "RegionParts", "StateFrame")
 
 PARTED: tuple[FieldKind, ...] = ("activities", "settling", "ages", "since", "timers", "goals", "board")
 """What is divided among the groups, entry by entry."""
@@ -33,18 +33,18 @@ IN_ORDER: tuple[FieldKind, ...] = ("activities", "settling")
 """The fields in which the order of the entries of several groups makes a difference."""
 
 
-class PartNumbers(NamedTuple):
+class PartedState(NamedTuple):
     """A state of a run but for its store: the numbers of its frame and of each part."""
 
     frame: int
     parts: tuple[int, ...]
 
-    def moved(self, frame: int, changed: Iterable[tuple[int, int]]) -> PartNumbers:
+    def moved(self, frame: int, changed: Iterable[tuple[int, int]]) -> PartedState:
         """The one with another frame and some other parts."""
         parts = [*self.parts]
         for group, part in changed:
             parts[group] = part
-        return PartNumbers(frame, tuple(parts))
+        return PartedState(frame, tuple(parts))
 
 
 class Part(NamedTuple):
@@ -116,7 +116,7 @@ class RegionParts:
             name in parallel.group_of for field in self._in_order for name in getattr(run, field)
         )
 
-    def spot(self, saved: SavedState) -> PartNumbers:
+    def parted(self, saved: SavedState) -> PartedState:
         """The numbers of a saved state's frame and parts; it is one that is taken apart."""
         run = saved.run
         parallel = self.active(run.config)
@@ -137,7 +137,7 @@ class RegionParts:
             if name in self._in_order:
                 order[name] = tuple(found)
         parts = [self._part(parallel, group, saved, each) for group, each in enumerate(fields)]
-        return PartNumbers(self._frame(parallel, run, left, order), tuple(parts))
+        return PartedState(self._frame(parallel, run, left, order), tuple(parts))
 
     def _group(self, parallel: RegionGroups, kind: FieldKind, key: Any, value: Any) -> int | None:
         """The group to which an entry belongs; None where it belongs to none."""
@@ -224,7 +224,7 @@ class RegionParts:
         order: Mapping[str, tuple[int, ...]],
     ) -> int:
         ahead = self._codec.ahead()
-        key = (self._codec.core_of(run, left), parallel.node.index, sorted(order.items()), id(ahead))
+        key = (self._codec.run_key_of(run, left), parallel.node.index, sorted(order.items()), id(ahead))
         number = self._frame_numbers.get(mark := fingerprint(key))
         if number is None:
             number = self._frame_numbers[mark] = len(self.frames)
@@ -236,14 +236,14 @@ class RegionParts:
 
     # -- put together ---------------------------------------------------------------------------------------------
 
-    def of(self, spot: PartNumbers) -> list[Part]:
+    def of(self, parted: PartedState) -> list[Part]:
         """The parts of a state."""
-        known = self.parts[self.frames[spot.frame].parallel.node]
-        return [known[group][number] for group, number in enumerate(spot.parts)]
+        known = self.parts[self.frames[parted.frame].parallel.node]
+        return [known[group][number] for group, number in enumerate(parted.parts)]
 
-    def place(self, spot: PartNumbers, store: Store) -> Place:
+    def place(self, parted: PartedState, store: Store) -> Place:
         """The whole state."""
-        frame, parts = self.frames[spot.frame], self.of(spot)
+        frame, parts = self.frames[parted.frame], self.of(parted)
         state = copied(frame.run)
         state.config = self._chart.program.graph.configuration(node for part in parts for node in part.atomic)
         for name in self._parted:

@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 from rai_missions.engine.compiled.states import CompiledState
 from rai_missions.prove.environment.environment import Environment
-from rai_missions.prove.exploration.region_parts import PartNumbers
+from rai_missions.prove.exploration.region_parts import PartedState
 from rai_missions.prove.exploration.regions import OUTSIDE, RegionGroups
 from rai_missions.prove.exploration.step_cache import Arrival, CachedStep
 
@@ -120,13 +120,13 @@ class SeparateRegions:
         return found or [*range(len(parts))]
 
     def leave(
-        self, head: int, spot: PartNumbers, waits: Sequence[int], depth: int, outcomes: Mapping[int, CachedStep]
+        self, head: int, parted: PartedState, waits: Sequence[int], depth: int, outcomes: Mapping[int, CachedStep]
     ) -> None:
         """Note what can happen in a state, by group and around all.
 
         Args:
             head: Of its code.
-            spot: The numbers of its frame and parts.
+            parted: The numbers of its frame and parts.
             waits: What each of them waits for, as bits.
             depth: Steps of the shortest run to there.
             outcomes: Group, or `OUTSIDE`, → what comes of all that happens on its account.
@@ -136,14 +136,16 @@ class SeparateRegions:
         """
         block = self._blocks[head]
         for group, outcome in outcomes.items():
-            is_apart = _is_around(outcome, spot.frame) if group == OUTSIDE else _is_of_one(outcome, group, spot.frame)
+            is_apart = (
+                _is_around(outcome, parted.frame) if group == OUTSIDE else _is_of_one(outcome, group, parted.frame)
+            )
             is_woken = group != OUTSIDE and block.is_woken(group, outcome.footprint.wakes, waits[group])
             if is_woken or not is_apart:
                 raise EntangledError
             if group == OUTSIDE:
                 block.around = outcome.steps
             else:
-                block.steps[group][spot.parts[group]] = outcome.steps
+                block.steps[group][parted.parts[group]] = outcome.steps
                 block.far[group] = max(block.far[group], depth - block.depth)
 
     def totals(self) -> LeftOut:
@@ -178,9 +180,9 @@ def _is_out(arrival: Arrival) -> bool:
 
 def _is_within(arrival: Arrival, frame: int) -> bool:
     """Whether it changes parts alone, neither frame nor store, and takes no time."""
-    change, spot = arrival.change, arrival.spot
+    change, parted = arrival.change, arrival.parted
     is_kept = change is not None and not (change.written or change.added or change.goals or change.is_absolute)
-    is_here = arrival.changed is not None and spot is not None and spot.frame == frame
+    is_here = arrival.changed is not None and parted is not None and parted.frame == frame
     return is_kept and is_here and arrival.kind not in ("time", "command")
 
 

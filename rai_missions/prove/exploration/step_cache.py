@@ -13,7 +13,7 @@ from typing import Generic, NamedTuple, Protocol, TypeVar
 from rai_missions.prove.abstraction.state_key import SavedState
 from rai_missions.prove.abstraction.store import Store, StoreChange, StoreQuery
 from rai_missions.prove.analysis.loops import Loop
-from rai_missions.prove.exploration.region_parts import Part, PartNumbers
+from rai_missions.prove.exploration.region_parts import Part, PartedState
 from rai_missions.prove.state_graph import Edge
 from rai_missions.prove.stimulus import StimulusKind
 
@@ -89,19 +89,19 @@ class Arrival(NamedTuple):
     """A transition was taken, a round of a tree's loop has ended that took time, or a tree's wait has begun."""
     ended: tuple[str, str] | None
     """Outcome and why; None where the mission continues."""
-    core: bytes = b""
-    """The core of the state afterwards; of an end what distinguishes it from others."""
+    run_key: bytes = b""
+    """What `StateCodec.run_key` is of the state afterwards; of an end what distinguishes it from others."""
     state: SavedState | None = None
     change: StoreChange | None = None
     mode: str = ""
     levels: tuple[tuple[Loop, int, bytes], ...] = ()
-    """Loops that run, how many of their rounds have ended, and the core but for this."""
+    """Loops that run, how many of their rounds have ended, and the key of the run but for this."""
     kept: frozenset[str] | None = None
     """Where time passes and the robot is silent: what waits for time on, and not from the beginning."""
     is_of_goal: bool = False
     """It came of a report, or the silence, of a goal that nothing pursues."""
-    spot: PartNumbers | None = None
-    """The state afterwards where it is taken apart; `core` is empty then."""
+    parted: PartedState | None = None
+    """The state afterwards where it is taken apart; `run_key` is empty then."""
     changed: tuple[tuple[int, int], ...] | None = None
     """The groups whose parts it has changed, and the numbers of these; None where it has left the parallel state."""
     needs: tuple[int, ...] = ()
@@ -111,7 +111,7 @@ class Arrival(NamedTuple):
     def likeness(self) -> tuple[object, ...]:
         """What arrivals are compared by: equal for those that lead alike from a state."""
         change = self.change.number if self.change is not None else self.ended
-        return self.core, change, self.kind, self.has_moved, self.kept, self.is_of_goal, self.spot, self.needs
+        return self.run_key, change, self.kind, self.has_moved, self.kept, self.is_of_goal, self.parted, self.needs
 
 
 class StepOutcome(NamedTuple):

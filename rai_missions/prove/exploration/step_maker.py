@@ -17,7 +17,7 @@ from rai_missions.prove.abstraction.state_key import Place
 from rai_missions.prove.abstraction.store import ALL_GOALS, Store, StoreChange
 from rai_missions.prove.analysis.counts import Count
 from rai_missions.prove.environment.environment import RESUME, Environment
-from rai_missions.prove.exploration.region_parts import Part, PartNumbers, RegionParts
+from rai_missions.prove.exploration.region_parts import Part, PartedState, RegionParts
 from rai_missions.prove.exploration.regions import OUTSIDE, TIME, RegionGroups
 from rai_missions.prove.exploration.step_cache import NOTHING, Arrival, ReadsChange, StepFootprint, StepOutcome
 from rai_missions.prove.state_graph import LENGTHENED, LISTED, Edge
@@ -48,7 +48,7 @@ class StepOrigin(NamedTuple):
     """What waits for time, but for goals that nothing pursues."""
     goals: Sequence[StepCase] = ()
     """What waits for time on account of these."""
-    spot: PartNumbers | None = None
+    parted: PartedState | None = None
     """Where the state is taken apart, the numbers of its parts."""
     parts: Sequence[Part] = ()
 
@@ -135,7 +135,7 @@ class StepMaker:
         chart, codec, instruments = environment.chart, environment.codec, environment.instruments
         moves = list(chart.state.draft.moves)
         has_moved = bool(moves or instruments.turned or instruments.has_started or any(instruments.begun.values()))
-        wakes = self._wakes(happening, moves) if here.spot is not None else 0
+        wakes = self._wakes(happening, moves) if here.parted is not None else 0
         if chart.outcome is not None:
             ended = chart.outcome, chart.why
             footprint, _ = self._footprint(here, case, wakes, moves, None, has_ended=True)
@@ -143,24 +143,24 @@ class StepMaker:
         change = self._change(here.place.store, happening)
         levels = codec.levels() if codec.loops else ()
         mode, is_whole = chart.mode, self._parts is None or not self._parts.takes(chart.state)
-        core = codec.core() if is_whole else b""
+        run_key = codec.run_key() if is_whole else b""
         saved = codec.take()
-        spot = self._parts.spot(saved) if not is_whole and self._parts is not None else None
-        footprint, changed = self._footprint(here, case, wakes, moves, spot, has_ended=False)
+        parted = self._parts.parted(saved) if not is_whole and self._parts is not None else None
+        footprint, changed = self._footprint(here, case, wakes, moves, parted, has_ended=False)
         kept = self._kept(waits, footprint, moves) if waits is not None else None
         return Arrival(
             way,
             happening.kind,
             has_moved,
             None,
-            core,
-            None if spot is not None else saved,
+            run_key,
+            None if parted is not None else saved,
             change,
             mode,
             levels,
             kept,
             happening.is_of_goal,
-            spot,
+            parted,
             changed,
             footprint.needs,
         ), footprint
@@ -206,7 +206,7 @@ class StepMaker:
         case: StepCase,
         wakes: int,
         moves: Sequence[Move],
-        spot: PartNumbers | None,
+        parted: PartedState | None,
         *,
         has_ended: bool,
     ) -> tuple[StepFootprint, tuple[tuple[int, int], ...] | None]:
@@ -222,10 +222,10 @@ class StepMaker:
         part that is quiet; and what may be read later (`ReadsChange`). Wherever a step does more than this allows, it
         rests on every part.
         """
-        if here.spot is None or self._parts is None:
+        if here.parted is None or self._parts is None:
             return NOTHING, None
         regions, frames = self._parts.regions, self._parts.frames
-        parallel = frames[here.spot.frame].parallel
+        parallel = frames[here.parted.frame].parallel
         needs = set(regions.concerned(parallel, case.happening, case.scope))
         needs |= {group for group, part in enumerate(here.parts) if part.wakes & wakes}
         leaves = has_ended or any(parallel.node.name in move.exited for move in moves)
@@ -236,11 +236,11 @@ class StepMaker:
             if self._may_complete(parallel, here, case, needs, moves):
                 needs |= parallel.every
             return StepFootprint(tuple(sorted(needs)), wakes, leaves=True), None
-        if spot is None or frames[spot.frame].parallel is not parallel:
+        if parted is None or frames[parted.frame].parallel is not parallel:
             return StepFootprint(tuple(sorted(parallel.every)), wakes), None
-        pairs = enumerate(zip(here.spot.parts, spot.parts, strict=True))
+        pairs = enumerate(zip(here.parted.parts, parted.parts, strict=True))
         changed = tuple((group, now) for group, (before, now) in pairs if before != now)
-        after = self._parts.of(spot)
+        after = self._parts.of(parted)
         is_foreseen = all(
             group == case.scope or (group in needs and not (here.parts[group].is_ended or after[group].is_ended))
             for group, _ in changed

@@ -119,7 +119,7 @@ def _levels(environment: Environment) -> dict[Loop, Level]:
         return {}
     codec = environment.codec
     answer = codec.ahead().question.of(codec.place().store)
-    return {loop: Level(ended, core + answer) for loop, ended, core in codec.levels()}
+    return {loop: Level(ended, run_key + answer) for loop, ended, run_key in codec.levels()}
 
 
 def repeated(items: Sequence[Item], rounds: Sequence[RepeatedPart]) -> list[Item] | None:
