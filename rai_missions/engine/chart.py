@@ -189,7 +189,7 @@ class Chart(ChartView):
             if test is not None and (value := test(state)) is not True:
                 return short_way.short_step(state, event, (), ((looked[0][0], value),))
             write, written = move.write, NO_WRITES
-            if state.listening or (write is None and move.acts):
+            if state.watched or (write is None and move.acts):
                 return short_way.finish_move(self._program, state, event, move, looked)
             if write is not None:
                 written = write(state)

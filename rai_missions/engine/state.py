@@ -153,7 +153,7 @@ class StepDraft:
     written: list[tuple[str, Any]] = field(default_factory=list)
     effects: list[Any] = field(default_factory=list)
     notes: list[str | VerdictNote] = field(default_factory=list)
-    watched: AbstractSet[str] | None = None
+    watched_by_activities: AbstractSet[str] | None = None
     """What the activities ask for, or more; None once one of them has had its turn."""
     polled: int = 0
     """How many of the keys that were written the activities have looked at."""
@@ -280,7 +280,7 @@ class RunState:
     """The earliest instant at which time alone can change something."""
     quick: bool = slot(False, "passing", "_quick")
     """The next event may take the short way."""
-    listening: AbstractSet[str] = slot(frozenset(), "passing", "_listening")
+    watched: AbstractSet[str] = slot(frozenset(), "passing", "_listening")
     """What may change something now when it changes: keys, and states that an activity asks for."""
     # -- not remembered
     outdated: frozenset[str] = frozenset()

@@ -81,7 +81,7 @@ class TreeTicker:
     def reads(self, state: TreeState) -> frozenset[str]:
         return self._looked_at(state).watched
 
-    def listens(self, state: TreeState, names: Collection[str]) -> bool:
+    def watches(self, state: TreeState, names: Collection[str]) -> bool:
         return concerns(self.reads(state), names)
 
     def _looked_at(self, state: TreeState) -> TickReads:

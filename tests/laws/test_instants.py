@@ -63,7 +63,7 @@ class Diligent(Recorded):
 
     def send(self, event: Event) -> Step:
         program, state = self.program, self.state
-        state.quick, state.listening = False, frozenset({"*"})
+        state.quick, state.watched = False, frozenset({"*"})
         step = super().send(event)
         if state.outcome is None and state.mode in ("running", "canceling"):
             nodes = program.graph.nodes

@@ -35,7 +35,7 @@ class LongWay(Chart):
 
 def left(one: Chart) -> dict[str, Any]:
     """All that a run remembers, but for whether the short way is open."""
-    return {**one.snapshot(), "_listening": frozenset(one.state.listening), "_quick": None, "quiet": one.quiet}
+    return {**one.snapshot(), "_listening": frozenset(one.state.watched), "_quick": None, "quiet": one.quiet}
 
 
 def agree(short: Chart, long: Chart, event: Event) -> Step:

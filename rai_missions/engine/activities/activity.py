@@ -25,8 +25,18 @@ if TYPE_CHECKING:
     from rai_missions.keys import Key
 
 __all__ = (
-    "GOALS", "NO_KEYS", "ActivityHost", "Bench", "Machine", "Outcome", "Turn", "listens", "machine_of",
-    "remembered", "remembered_kinds", "result_writes",
+    "GOALS",
+    "NO_KEYS",
+    "ActivityHost",
+    "Bench",
+    "Machine",
+    "Outcome",
+    "Turn",
+    "machine_of",
+    "remembered",
+    "remembered_kinds",
+    "result_writes",
+    "watches",
 )  # fmt: skip
 
 
@@ -129,7 +139,7 @@ class Machine(ABC):
         """What it wants to be notified of: changes of keys, of states (`presence`), of goals (`GOALS`)."""
         return NO_KEYS
 
-    def listens(self, state: Any, names: Collection[str]) -> bool:
+    def watches(self, state: Any, names: Collection[str]) -> bool:
         """Whether it wants to be notified of one of these."""
         return concerns(self.reads(state), names)
 
@@ -160,9 +170,9 @@ class Bench(NamedTuple):
         return Site(f"{self.place}/{word}" if word else self.place, self.keys, self.state)
 
 
-def listens(machine: Any, state: Any, names: Collection[str]) -> bool:
+def watches(machine: Any, state: Any, names: Collection[str]) -> bool:
     """Whether a machine wants to be notified of one of these; one of another package need only have `reads`."""
-    return machine.listens(state, names) if isinstance(machine, Machine) else concerns(machine.reads(state), names)
+    return machine.watches(state, names) if isinstance(machine, Machine) else concerns(machine.reads(state), names)
 
 
 @singledispatch

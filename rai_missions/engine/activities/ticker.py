@@ -116,7 +116,7 @@ class Ticker(Protocol):
     def reads(self, state: TreeState) -> frozenset[str]:
         """What wants a tick once it is another: keys at which the next may look (`*` for any), `presence` of states."""
 
-    def listens(self, state: TreeState, names: Collection[str]) -> bool:
+    def watches(self, state: TreeState, names: Collection[str]) -> bool:
         """Whether one of these, which has changed, is among `reads`; `*` there is any key."""
 
     def shift(self, state: TreeState, by_s: float) -> TreeState:

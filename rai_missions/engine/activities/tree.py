@@ -20,9 +20,9 @@ from rai_missions.engine.activities.activity import (
     Machine,
     Outcome,
     Turn,
-    listens,
     machine_of,
     remembered,
+    watches,
 )
 from rai_missions.engine.activities.decision import DecisionActivity
 from rai_missions.engine.activities.ticker import Ticker, TickResult, TreeState
@@ -156,9 +156,9 @@ class TreeMachine(Machine):
             turn = self._rest(draft, host)
         elif draft.outcomes or self._is_due(state, event, host):
             turn = self._tick(draft, host)
-        elif event.kind == "tick" and self.ticker.listens(state.tree, keys := event.data["keys"]):
+        elif event.kind == "tick" and self.ticker.watches(state.tree, keys := event.data["keys"]):
             news = event.data["news"]
-            if news is keys or self.ticker.listens(state.tree, news):
+            if news is keys or self.ticker.watches(state.tree, news):
                 turn = self._look(draft, host)
             else:  # the same value, and it grows stale later
                 draft.wake = self.ticker.wake_at(draft.tree, host.view)
@@ -169,7 +169,7 @@ class TreeMachine(Machine):
 
     def is_for_tree(self, state: TreeActivity, key: str) -> bool:
         """Whether a key that was written concerns the tree alone, and no leaf that runs."""
-        return not (state.limit or self._leaf_listens(state, (key,)))
+        return not (state.limit or self._leaf_watches(state, (key,)))
 
     def look(self, state: TreeActivity, key: str, view: View, late_s: float) -> TickResult:
         """The tick with which `receive` begins where a key that is for the tree alone has another value."""
@@ -261,7 +261,7 @@ class TreeMachine(Machine):
             return not draft.limit
         if draft.outcomes:
             has_room = rounds.leaf_ended()
-        elif draft.news and self.ticker.listens(draft.tree, draft.news):
+        elif draft.news and self.ticker.watches(draft.tree, draft.news):
             has_room = rounds.wrote()
         else:
             return False
@@ -313,14 +313,14 @@ class TreeMachine(Machine):
         each = (self.leaf_machines[path].machine.reads(leaf.state) for path, leaf in state.leaves.items())
         return self.ticker.reads(state.tree).union(*each)
 
-    def listens(self, state: TreeActivity, names: Collection[str]) -> bool:
-        return self.ticker.listens(state.tree, names) or self._leaf_listens(state, names)
+    def watches(self, state: TreeActivity, names: Collection[str]) -> bool:
+        return self.ticker.watches(state.tree, names) or self._leaf_watches(state, names)
 
-    def _leaf_listens(self, state: TreeActivity, names: Collection[str]) -> bool:
+    def _leaf_watches(self, state: TreeActivity, names: Collection[str]) -> bool:
         machines = self.leaf_machines
         for path, leaf in state.leaves.items():
             machine = machines[path].machine
-            if machine.reads(leaf.state) and listens(machine, leaf.state, names):
+            if machine.reads(leaf.state) and watches(machine, leaf.state, names):
                 return True
         return False
 

@@ -45,7 +45,7 @@ class CompiledMove:
         self.value, self.values, self.config, self.acts = value, (value,), config, acts
         only = acts[0] if len(acts) == 1 else None
         self.write: Write | None = only.write if isinstance(only, WriteAct) else None
-        """Does what `acts` do, where that is one write and no one listens to keys."""
+        """Does what `acts` do, where that is one write and no one watches keys."""
         self.exited: tuple[CompiledState, ...] = ()
         self.entered: tuple[CompiledState, ...] = ()
         self.remember: tuple[tuple[int, tuple[CompiledState, ...]], ...] = ()

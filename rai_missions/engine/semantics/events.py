@@ -128,7 +128,7 @@ def _write(program: Program, state: RunState, event: Event) -> None:
     before = known(program, state, name) if program.has_trees else None
     state.board[name] = Stamped(value, stamp)
     draft.written.append((name, value))
-    if name not in state.listening and "*" not in state.listening:
+    if name not in state.watched and "*" not in state.watched:
         return
     if program.has_trees:
         note_news(program, state, name, before)

@@ -8,23 +8,35 @@ from collections.abc import Set as AbstractSet
 from typing import Any
 
 from rai_missions.engine.activities import goal_ledger
-from rai_missions.engine.activities.activity import GOALS, NO_KEYS, Outcome, Turn, listens
+from rai_missions.engine.activities.activity import GOALS, NO_KEYS, Outcome, Turn, watches
 from rai_missions.engine.activities.tree import TreeMachine, limit_of
 from rai_missions.engine.activities.tree_rounds import Rounds
 from rai_missions.engine.compiled.program import Program
 from rai_missions.engine.compiled.states import CompiledState
 from rai_missions.engine.semantics.blackboard import write_key
 from rai_missions.engine.semantics.hold import awake, holder_of, is_held, live
-from rai_missions.engine.semantics.listening import RunningTree, WatchedNames
 from rai_missions.engine.semantics.timers import begins_at, next_number
 from rai_missions.engine.semantics.waiting import drop_reports
+from rai_missions.engine.semantics.watched_names import RunningTree, WatchedNames
 from rai_missions.engine.state import RunState, Trigger
 from rai_missions.engine.step import CancelGoal, Handover
 from rai_missions.event import Event
 
 __all__ = (
-    "Host", "begin", "begin_starting", "cancel_goals", "dispatch", "leave_activity", "outcome_of", "poll", "reads",
-    "request_control", "resting", "take_back", "take_turn", "unfinished",
+    "Host",
+    "begin",
+    "begin_starting",
+    "cancel_goals",
+    "dispatch",
+    "leave_activity",
+    "outcome_of",
+    "poll",
+    "request_control",
+    "resting",
+    "take_back",
+    "take_turn",
+    "unfinished",
+    "watched",
 )  # fmt: skip
 
 
@@ -133,7 +145,7 @@ def leave_activity(program: Program, state: RunState, node: CompiledState) -> No
 
 def take_turn(program: Program, state: RunState, name: str, turn: Turn) -> None:
     """Take over what a machine has made of something."""
-    state.draft.touched, state.draft.watched = True, None
+    state.draft.touched, state.draft.watched_by_activities = True, None
     for key, value in turn.writes:
         write_key(program, state, key, value)
     _emit(state, turn.effects)
@@ -165,7 +177,7 @@ def cancel_goals(state: RunState, numbers: Iterable[int]) -> None:
 
 
 ANY_KEY = frozenset({"*"})
-"""Every key, among names that are listened to."""
+"""Every key, among names that are watched."""
 
 
 def poll(program: Program, state: RunState) -> bool:
@@ -184,7 +196,7 @@ def poll(program: Program, state: RunState) -> bool:
         return False
     has_acted = False
     for name, machine, activity in awake(program, state):
-        if name not in due and not listens(machine, activity, keys):
+        if name not in due and not watches(machine, activity, keys):
             continue
         of_others = frozenset(changed | {key for key, by in news.items() if by != name})
         tick = Event("tick", state.at, {"keys": keys, "news": of_others, "unseen": name in unseen}, "tick")
@@ -198,9 +210,9 @@ def poll(program: Program, state: RunState) -> bool:
 def _concerns_some(program: Program, state: RunState, keys: frozenset[str]) -> bool:
     """Whether some activity may want to be notified of one of these; all are asked again once one has had its turn."""
     draft = state.draft
-    if draft.watched is None:
-        draft.watched = _watched(program, state, NO_KEYS)
-    return not draft.watched.isdisjoint(keys | ANY_KEY)
+    if draft.watched_by_activities is None:
+        draft.watched_by_activities = _watched_by_activities(program, state, NO_KEYS)
+    return not draft.watched_by_activities.isdisjoint(keys | ANY_KEY)
 
 
 def dispatch(program: Program, state: RunState, event: Event) -> bool:
@@ -230,15 +242,15 @@ def unfinished(program: Program, state: RunState) -> frozenset[str]:
     return frozenset(name for name, activity in state.running.items() if limit_of(activity) == "rounds")
 
 
-def reads(program: Program, state: RunState) -> AbstractSet[str]:
+def watched(program: Program, state: RunState) -> AbstractSet[str]:
     """What may change something now when it changes: keys, and states that an activity asks for."""
     found = state.config.reads | program.graph.invariant_reads
     if state.settling or state.final is not None:
         found |= ANY_KEY
-    return _watched(program, state, found)
+    return _watched_by_activities(program, state, found)
 
 
-def _watched(program: Program, state: RunState, found: frozenset[str]) -> AbstractSet[str]:
+def _watched_by_activities(program: Program, state: RunState, found: frozenset[str]) -> AbstractSet[str]:
     """The given names, and those that the running activities ask for."""
     trees = list[RunningTree]()
     for name, machine, activity in live(program, state) if state.running else ():

@@ -17,12 +17,12 @@ from rai_missions.engine.compiled.program import Program
 from rai_missions.engine.compiled.states import Written
 from rai_missions.engine.decision import with_verdicts
 from rai_missions.engine.semantics.blackboard import is_other, value_at
-from rai_missions.engine.semantics.listening import RunningTree, WatchedNames
 from rai_missions.engine.semantics.macrostep import complete, enabled
 from rai_missions.engine.semantics.running import Host, take_turn
 from rai_missions.engine.semantics.stepping import close, make_step
 from rai_missions.engine.semantics.timers import late_s
 from rai_missions.engine.semantics.timing import next_instant
+from rai_missions.engine.semantics.watched_names import RunningTree, WatchedNames
 from rai_missions.engine.state import RunState, StepDraft
 from rai_missions.engine.step import Effect, Move, Step
 from rai_missions.event import Event
@@ -40,9 +40,9 @@ BEFORE = -inf
 def receive_reading(program: Program, state: RunState, event: Event) -> Step:
     """What a write does at which no one looks, or one tree alone."""
     name, at, data, _, _ = event
-    listening, board = state.listening, state.board
-    watched = listening if type(listening) is WatchedNames else None
-    trees, names = (watched.trees, watched.names) if watched is not None else ((), listening)
+    watched, board = state.watched, state.board
+    by_trees = watched if type(watched) is WatchedNames else None
+    trees, names = (by_trees.trees, by_trees.names) if by_trees is not None else ((), watched)
     key, now, stamp = program.keys.get(name), at if at > state.at else state.at, data.get("stamp", at)
     if stamp.__class__ is not float or not BEFORE < stamp <= now:
         check_event(event, "a chart")
@@ -54,23 +54,23 @@ def receive_reading(program: Program, state: RunState, event: Event) -> Step:
         return make_step(program, state, event)
     looking: RunningTree | None = None
     for each in trees:
-        if each[1].listens(each[2], (name,)):
+        if each[1].watches(each[2], (name,)):
             if looking is not None or state.config.watchful or program.held_in_invariants:
                 return make_step(program, state, event)
             looking = each
     state.at = now
     board[name] = made = _new(Stamped, (given, stamp))
-    if looking is None or watched is None:
+    if looking is None or by_trees is None:
         return short_step(state, event, (), (), ((name, given),), quiet=True)
     if key.max_age_s is None and entry is not None:
         is_news = not (given is entry.value or given == entry.value)
     else:
         is_news = is_other(value_at(key, entry, now), key, made, now)
-    return _looked_at(program, state, event, watched, looking, is_news=is_news)
+    return _looked_at(program, state, event, by_trees, looking, is_news=is_news)
 
 
 def _looked_at(
-    program: Program, state: RunState, event: Event, listening: WatchedNames, tree: RunningTree, *, is_news: bool
+    program: Program, state: RunState, event: Event, watched: WatchedNames, tree: RunningTree, *, is_news: bool
 ) -> Step:
     """The end of a step in which one tree looks at what was written, as `running.poll` and `complete` would let it."""
     name, machine, activity = tree
@@ -82,7 +82,7 @@ def _looked_at(
             rests = machine.rest(activity, ticked, state)
             if rests is not activity:
                 state.running[name] = rests
-                state.listening = listening.with_tree((name, machine, rests))
+                state.watched = watched.with_tree((name, machine, rests))
                 if rests.wake != activity.wake:
                     state.wake = next_instant(program, state)
             return short_step(state, event, (), (), (written,), quiet=rests is activity)
@@ -102,7 +102,7 @@ def _looked_at(
         if does_more or turn.state.limit:
             complete(program, state, None)
             return close(program, state, event)
-        state.listening = listening.with_tree((name, machine, turn.state))
+        state.watched = watched.with_tree((name, machine, turn.state))
     state.wake = next_instant(program, state)
     effects = tuple(draft.effects)
     draft.effects, draft.touched, draft.polled = [], False, 0
@@ -140,7 +140,7 @@ def receive_event(program: Program, state: RunState, event: Event) -> Step:
 
 def finish_move(program: Program, state: RunState, event: Event, move: CompiledMove, looked: Looked) -> Step:
     """The end of a step that makes a move; its time and its payload are the run's already."""
-    if not state.listening.isdisjoint(move.shifts):
+    if not state.watched.isdisjoint(move.shifts):
         return make_step(program, state, event)
     state.config = move.config
     if not move.acts:
@@ -149,7 +149,7 @@ def finish_move(program: Program, state: RunState, event: Event, move: CompiledM
     for act in move.acts:
         act(program, state)
     written = draft.written
-    if draft.internal or (written and state.listening):
+    if draft.internal or (written and state.watched):
         draft.moves.append(move.value)
         draft.looked += looked
         draft.presence_changes |= move.shifts

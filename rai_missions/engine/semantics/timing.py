@@ -14,7 +14,7 @@ from rai_missions.engine.compiled.program import Program
 from rai_missions.engine.semantics.completion import end
 from rai_missions.engine.semantics.hold import awake
 from rai_missions.engine.semantics.macrostep import MOST_MICROSTEPS, check_stopped, complete, react
-from rai_missions.engine.semantics.running import leave_activity, outcome_of, poll, reads, resting, unfinished
+from rai_missions.engine.semantics.running import leave_activity, outcome_of, poll, resting, unfinished, watched
 from rai_missions.engine.state import RunState, Timer, TimerKey, Trigger
 from rai_missions.engine.step import CancelGoal
 from rai_missions.guards.view import Instant
@@ -38,7 +38,7 @@ def catch_up(program: Program, state: RunState, at: float) -> None:
     if same >= MOST_MICROSTEPS:
         _end_endless(program, state)
     if moved:
-        state.listening = reads(program, state)  # what comes now finds what time has made of it
+        state.watched = watched(program, state)  # what comes now finds what time has made of it
 
 
 def _woken(program: Program, state: RunState, due: float) -> Iterable[str]:
@@ -137,7 +137,7 @@ def look_ahead(program: Program, state: RunState) -> None:
     """What the next event finds: whether it can take the short way, what it may change, what time alone does."""
     is_running = state.mode == "running" and state.final is None and state.outcome is None
     state.quick = is_running and not program.named and not state.frozen and not resting(program, state)
-    state.listening = reads(program, state) if state.mode != "ended" else NO_KEYS
+    state.watched = watched(program, state) if state.mode != "ended" else NO_KEYS
     look_for_time(program, state)
 
 

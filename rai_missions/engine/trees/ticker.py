@@ -330,7 +330,7 @@ class CompiledTicker:
                 seen |= node.site.watched
         return frozenset(seen)
 
-    def listens(self, state: TreeState, names: Collection[str]) -> bool:
+    def watches(self, state: TreeState, names: Collection[str]) -> bool:
         """Whether a change of one of these wants a tick; see `Ticker`."""
         if state is not self.shown:
             self._recall(state)

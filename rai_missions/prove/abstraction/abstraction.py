@@ -108,7 +108,7 @@ class Abstraction:
         if state.mode == "ended":
             return
         self._control.let_go()
-        state.listening = self._sensed(state)
+        state.watched = self._sensed(state)
         self._forget(state)
         for name, rest in self._rests:
             if value := getattr(state, name):
@@ -198,7 +198,7 @@ class Abstraction:
 
     def _forget(self, state: RunState) -> None:
         world, board = self._world, self._world.board
-        for key in world.fleeting - state.listening:
+        for key in world.fleeting - state.watched:
             board.forget(key)
         for key in world.shapes:
             entry = board.known(key)

@@ -231,7 +231,7 @@ class Environment:
     def _writes(self) -> Iterator[Stimulus]:
         """What is listened for becomes each other thing that it can be."""
         board, state = self.world.board, self.chart.state
-        for key in sorted(state.listening):
+        for key in sorted(state.watched):
             now = board.known(key)
             alike = board.among.get(key) or ((None if now is None else now.value,) if board.is_known(key) else ())
             for value in self._others(key, now):

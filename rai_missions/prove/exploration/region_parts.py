@@ -255,6 +255,6 @@ class RegionParts:
             whole = getattr(state, name)
             for each in inner:
                 whole.update(each)
-        state.listening = frozenset(key for key in state.board if key in self._world.fleeting)
+        state.watched = frozenset(key for key in state.board if key in self._world.fleeting)
         groups = {name: each for part in parts for name, each in part.groups.items()}
         return Place(SavedState(state, groups), store)

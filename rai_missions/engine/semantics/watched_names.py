@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a run listens to while trees run: a set of names that is worked out where one is asked for."""
+"""What a run watches while trees run: a set of names that is worked out where one is asked for."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class WatchedNames(AbstractSet[str]):
     """Names of keys, and of states by their `presence`. A tree is asked about one name, not for all that it reads.
 
     Args:
-        names: What is listened to but for trees.
+        names: What is watched but for trees.
         trees: Those that run.
     """
 
@@ -40,7 +40,7 @@ class WatchedNames(AbstractSet[str]):
         return frozenset(names)
 
     def __contains__(self, name: object) -> bool:
-        return name in self.names or any(machine.listens(state, (str(name),)) for _, machine, state in self.trees)
+        return name in self.names or any(machine.watches(state, (str(name),)) for _, machine, state in self.trees)
 
     def __bool__(self) -> bool:
         return True  # a tree runs; what it looks at is asked for by name
