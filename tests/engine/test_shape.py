@@ -227,12 +227,12 @@ assert not faults and carry(naming, saved, found, InFlight()).snapshot["mood"] =
 environment = Environment(mission)
 environment.make(environment.begin)
 environment.settle()
-calm, core = environment.codec.place(), environment.codec.core()
+calm, core = environment.codec.place(), environment.codec.run_key()
 environment.chart.state.mood = "glad"
-assert environment.codec.core() != core
+assert environment.codec.run_key() != core
 glad = environment.codec.place()
 environment.load(calm)
-assert environment.chart.state.mood == "calm" and environment.codec.core() == core
+assert environment.chart.state.mood == "calm" and environment.codec.run_key() == core
 environment.load(glad)
 assert environment.chart.state.mood == "glad"
 """
