@@ -241,8 +241,10 @@ class OrderSide:
 
     # -- confirmations -------------------------------------------------------------------------------------------------
 
-    def decide(self, utterance: Utterance, *, is_yes: bool, is_agreed: bool) -> Sense | None:
+    def decide(self, utterance: Utterance, *, is_yes: bool, is_agreed: bool, is_doubtful: bool) -> Sense | None:
         """A yes or a no to what was read back; of a spoken one, whether all readings are, of two or more.
+
+        A doubtful yes, `maybe yes`, has the order read back again.
 
         Returns:
             The order that a no has dropped.
@@ -263,7 +265,11 @@ class OrderSide:
         elif utterance.is_spoken and not is_agreed:
             self._talk.note("refused", number=utterance.number, order="confirm", by="recognisers")
             self._speaking.reply("two_needed", utterance, order=order.words)
-        elif pending.is_unclear(utterance) or self._talk.ends_with(utterance.channel, "model", "documents"):
+        elif (
+            is_doubtful
+            or pending.is_unclear(utterance)
+            or self._talk.ends_with(utterance.channel, "model", "documents")
+        ):
             self.confirmation.ask_again(utterance)
         else:
             self._confirm(order, utterance)

@@ -192,11 +192,14 @@ class SentenceSide:
 
     def _decides(self, utterance: Utterance, each: Sequence[Sequence[Sense]]) -> bool:
         """Whether it is a yes or a no to what was read back, and so has been handled."""
-        meant = next((sense.kind for sense in each[0] if sense.kind in DECISIONS), "")
-        if not meant or self._orders.confirmation.order is None:
+        meant = next((sense for sense in each[0] if sense.kind in DECISIONS), None)
+        if meant is None or self._orders.confirmation.order is None:
             return False
-        is_agreed = len(each) > 1 and all(any(sense.kind == meant for sense in others) for others in each)
-        self._decide(utterance, is_yes=meant == "yes", is_agreed=is_agreed)
+        alike = [[sense for sense in others if sense.kind == meant.kind] for others in each]
+        is_doubtful = any(sense.is_partial for senses in alike for sense in senses)
+        self._decide(
+            utterance, is_yes=meant.kind == "yes", is_agreed=len(each) > 1 and all(alike), is_doubtful=is_doubtful
+        )
         return True
 
     def _withdraws(self, utterance: Utterance, each: Sequence[Sequence[Sense]]) -> bool:
@@ -210,9 +213,9 @@ class SentenceSide:
             self._orders.withdraw_one(place, utterance)
         return place is not None
 
-    def _decide(self, utterance: Utterance, *, is_yes: bool, is_agreed: bool) -> None:
+    def _decide(self, utterance: Utterance, *, is_yes: bool, is_agreed: bool, is_doubtful: bool = False) -> None:
         """A yes or a no to what was read back; the next sentence may correct what a no has dropped."""
-        dropped = self._orders.decide(utterance, is_yes=is_yes, is_agreed=is_agreed)
+        dropped = self._orders.decide(utterance, is_yes=is_yes, is_agreed=is_agreed, is_doubtful=is_doubtful)
         if dropped is not None:
             self._keep(dropped, utterance.speaker)
 

@@ -29,7 +29,7 @@ class Sense(NamedTuple):
     thing: str = ""
     """What a question is about that may be in a fact, in its words."""
     is_partial: bool = False
-    """Only a part of an option's words was named: it is read back."""
+    """Only a part of an option's words was named, or a yes is doubtful: the order is read back."""
     fault: str = ""
     """Of a `fault`: what is wrong and what would be right, in the dialogue's language."""
     named: tuple[str, ...] = ()

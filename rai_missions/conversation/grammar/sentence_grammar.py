@@ -99,12 +99,18 @@ class SentenceGrammar:
         for mended in self._mended(bare, view) if len(bare) <= MOST_MENDED and is_fault(found or FAULT) else ():
             again = self._first(mended, normaliser.bare(mended, called(view.robot)), view, draft)
             if again and not is_fault(again):
-                return again
+                return self._unsure(again, mended, view)
             found = found or again
         return self._unsure(found, words, view)
 
     def _unsure(self, senses: tuple[Sense, ...], words: list[str], view: StatusView) -> tuple[Sense, ...]:
-        """The senses of which the words leave doubt are partial: of `first, second`, and of a greeting to another."""
+        """The senses of which the words leave doubt are partial: of `first, second`, of `yes, I suppose`.
+
+        So is a greeting to another, and a yes that has a no: `never mind, okay`.
+        """
+        if any(each.kind == "yes" for each in senses):
+            is_doubtful = self.language.doubting.within(words) or self.language.no.within(words)
+            return tuple(each._replace(is_partial=is_doubtful) if each.kind == "yes" else each for each in senses)
         if any(each.kind == "question" and each.name in POLITE for each in senses):
             return tuple(each._replace(is_partial=self._greets_another(words, view)) for each in senses)
         ordinals = self.language.data["ordinals"]
