@@ -29,7 +29,17 @@ from typing import Any, NamedTuple
 
 from rai_missions.plain_data import is_number
 
-__all__ = ("LEAST", "LEAST_FIRST_OF_ANY", "LEAST_STOP", "FusedTurn", "evidence_in", "fused", "guesses_in", "odds_in")
+__all__ = (
+    "LEAST",
+    "LEAST_FIRST_OF_ANY",
+    "LEAST_STOP",
+    "FusedTurn",
+    "evidence_in",
+    "fused",
+    "guesses_in",
+    "odds_in",
+    "votes_in",
+)
 
 LEAST, LEAST_ALONE = 5.5, 8.5
 """What the evidence for a phrase must come to, in nats, where the second agrees; where it does not."""
@@ -75,6 +85,8 @@ WORDS_A_MORE, MORE_WORDS_BEST = 3, 2
 phrase is the second's best. For "stop" one more is never too much: it must not be missed."""
 LEAST_LEAD = 0.5
 """How much more it must be than that for the next phrase."""
+VOTES = 2
+"""For how many phrases the second votes, however many it has evidence for."""
 MOST = 30.0
 STOP = "stop"
 STOPS = (STOP, "halt")
@@ -264,6 +276,12 @@ def _plain(text: str) -> str:
 def evidence_in(data: Mapping[str, Any], phrases: Sequence[str]) -> dict[str, float]:
     """The evidence in a reply of a recogniser's process; what is no number of an expected phrase is left out."""
     return _numbers_in(data, "evidence", phrases)
+
+
+def votes_in(data: Mapping[str, Any], phrases: Sequence[str]) -> dict[str, float]:
+    """The evidence in a reply of the second's process, of the two phrases that it holds for the most probable."""
+    found = evidence_in(data, phrases)
+    return {each: found[each] for each in sorted(found, key=found.__getitem__)[-VOTES:] if found[each] > 0.0}
 
 
 def odds_in(data: Mapping[str, Any], phrases: Sequence[str]) -> dict[str, float]:

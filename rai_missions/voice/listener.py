@@ -17,7 +17,7 @@ from rai_missions.connectors.process.frames import Broken
 from rai_missions.connectors.sound.connector import FRAME_S, RATE_HZ, SoundFrame
 from rai_missions.connectors.worker import SerialQueue
 from rai_missions.redaction import logger
-from rai_missions.voice.fusion import FusedTurn, evidence_in, fused, guesses_in, odds_in
+from rai_missions.voice.fusion import FusedTurn, evidence_in, fused, guesses_in, odds_in, votes_in
 from rai_missions.voice.kind import SHORT_S
 from rai_missions.voice.offers import OfferQueue, TurnOffer
 from rai_missions.voice.process import SpeechProcess, SpeechReply, sound_in, text_in
@@ -281,6 +281,10 @@ class SpeechListener:
         return lambda reply: self._post(partial(self._read, offer, which, reply))
 
     def _read(self, offer: TurnOffer, which: str, reply: SpeechReply) -> None:
+        if reply.is_lost and self._offers[which].again():
+            self._count(1)
+            self._ask(which)
+            return
         self._offers[which].done()
         self._ask(which)
         turn = self._turns.get(offer.number)
@@ -338,7 +342,7 @@ class SpeechListener:
 def words_of(known: OfferReplies, settings: ListenSettings) -> FusedTurn:
     """The text of a turn, and each recogniser's own."""
     first, second = (reply.data if reply is not None and not reply.fault else {} for reply in known[:2])
-    one, other = (evidence_in(data, settings.phrases) for data in (first, second))
+    one, other = evidence_in(first, settings.phrases), votes_in(second, settings.phrases)
     phrases = (*settings.phrases, *settings.at_once)
     odds = odds_in(first, settings.phrases)
     return fused(text_in(first, "text"), one, other, phrases, known.spoken_s, guesses_in(first), odds)

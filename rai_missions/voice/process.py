@@ -43,6 +43,8 @@ class SpeechReply(NamedTuple):
     data: Mapping[str, Any] = {}
     fault: str = ""
     """Why there is no reply, in a sentence; empty if there is one."""
+    is_lost: bool = False
+    """The process ended while it had the order, and in time: the next one may have a reply."""
 
 
 OnReply = Callable[[SpeechReply], object]
@@ -56,6 +58,7 @@ class PendingOrder(NamedTuple):
     on_reply: OnReply
     on_part: Callable[[bytes], object] | None
     cancel: Work
+    is_late: bool = False
 
 
 class SpeechProcess:
@@ -82,8 +85,10 @@ class SpeechProcess:
         self._options, self._within_s, self._on_fault = dict(options or {}), within_s, on_fault
         self._lock = threading.RLock()
         self._life: ProcessLife | None = None
-        self._is_ready, self._replied, self._is_open = threading.Event(), False, False
-        self._absent = ""
+        self._is_ready, self._replied, self._is_open = False, False, False
+        self._is_settled = threading.Event()
+        """It is ready, or is not going to be."""
+        self._absent = self._ended_by = ""
         self._asked: dict[int, PendingOrder] = {}
         self._numbers = itertools.count(1)
         self._timers = Worker(f"{sort}'s timers")
@@ -104,17 +109,17 @@ class SpeechProcess:
 
     def wait_ready(self, within_s: float = START_S) -> bool:
         """Wait until it is open, or cannot be opened; whether it is open."""
-        self._is_ready.wait(within_s)
-        return self._is_ready.is_set() and not self._absent
+        self._is_settled.wait(within_s)
+        return self._is_ready
 
     def wait_open(self) -> None:
         """Wait until it is open.
 
         Raises:
-            UsageError: It cannot be opened; the sentence states what is missing.
+            UsageError: It cannot be opened; the sentence states what is missing, or how it ended.
         """
         if not self.wait_ready():
-            raise UsageError(self._absent or f"the {self.sort} '{self.name}' does not start")
+            raise UsageError(self._absent or self._ended_by or f"the {self.sort} '{self.name}' does not start")
 
     def close(self, within_s: float = PATIENCE_S) -> None:
         """End the process and all that descends from it; what was asked ends with a fault."""
@@ -173,8 +178,8 @@ class SpeechProcess:
         """The process that lives, or a new one; under the lock."""
         if self._life is not None and self._life.alive:
             return self._life
-        self._is_ready.clear()
-        self._replied = False
+        self._is_settled.clear()
+        self._is_ready = self._replied = False
         first = {
             "sort": self.sort,
             "name": self.name,
@@ -199,7 +204,8 @@ class SpeechProcess:
             if life is not self._life:
                 return
             if message.get("ready") is True:
-                self._is_ready.set()
+                self._is_ready = True
+                self._is_settled.set()
                 return
             if "absent" in message:
                 self._absent = cut(message["absent"], 400)
@@ -221,8 +227,10 @@ class SpeechProcess:
 
     def _give_up(self, number: int, life: ProcessLife, within_s: float) -> None:
         with self._lock:
-            is_late = number in self._asked
-        if is_late:
+            asked = self._asked.get(number)
+            if asked is not None:
+                self._asked[number] = asked._replace(is_late=True)
+        if asked is not None:
             life.end(f"it did not reply within {within_s:g} s")
 
     def _ended(self, life: ProcessLife) -> None:
@@ -230,12 +238,12 @@ class SpeechProcess:
         with self._lock:
             if not self._is_open:
                 return  # what was asked of it ends where it is closed
+            sentence = self._ended_by = self._absent or f"the {self.sort} '{self.name}' ended: {life.why}"
             asked, again = self._drop_asked(life), self._follow(life)
-        sentence = self._absent or f"the {self.sort} '{self.name}' ended: {life.why}"
         if self._on_fault is None:
             log.warning("%s%s", sentence, "; it is started again" if again else "")
         for each in asked:
-            each.on_reply(SpeechReply(fault=sentence))
+            each.on_reply(SpeechReply(fault=sentence, is_lost=not (self._absent or each.is_late)))
         if self._on_fault is not None:
             self._on_fault(sentence)
 
@@ -244,11 +252,12 @@ class SpeechProcess:
         if life is not self._life:
             again = self._life is not None
         else:
-            self._life = None
-            self._is_ready.set()
+            self._life, self._is_ready = None, False
             again = not self._absent and (self._replied or time.monotonic() - life.began > YOUNG_S)
             if again:
                 self._begin()
+            else:
+                self._is_settled.set()
         self.restarts += again
         return again
 

@@ -8,12 +8,14 @@ from typing import Any, NamedTuple
 
 from rai_missions.connectors.sound.connector import RATE_HZ
 from rai_missions.errors import UsageError
+from rai_missions.voice.kind import known
 from rai_missions.voice.listener import ListenSettings, SpeechListener, Transcript
 from rai_missions.voice.process import SpeechProcess
 
-__all__ = ("ListenNames", "Recognition", "open_recognition", "split_options")
+__all__ = ("ListenNames", "Recognition", "check_names", "open_recognition", "split_options")
 
-
+AGREES_ONLY = ("pocketsphinx",)
+"""Recognisers that take any sound for a phrase."""
 SILENCE = bytes(2 * RATE_HZ)
 """A second, which every recogniser transcribes first: what it loads or computes once is there when a person speaks."""
 
@@ -53,6 +55,21 @@ class Recognition(NamedTuple):
             recogniser.close()
 
 
+def check_names(names: ListenNames) -> None:
+    """Whether recognisers of these names may listen together; none of them is loaded.
+
+    Raises:
+        UsageError: There is none of a name, or the first is one that can only agree, or both are one.
+    """
+    first, second = (split_options(each)[0] for each in (names.recogniser, names.second))
+    for name in (first, second)[: 1 + bool(names.second)]:
+        known("recogniser", name)
+    if first in AGREES_ONLY:
+        raise UsageError(f"the recogniser '{first}' takes any sound for a phrase: it may be the second, which agrees")
+    if names.recogniser == names.second:
+        raise UsageError(f"'{names.second}' as the second recogniser agrees with itself: name another, or none")
+
+
 def open_recognition(
     names: ListenNames,
     settings: ListenSettings,
@@ -70,7 +87,11 @@ def open_recognition(
         on_present: See `SpeechListener`.
         on_fault: Called with a sentence each time one of the processes ended, hung or could not be opened; None: it is
             logged.
+
+    Raises:
+        UsageError: See `check_names`.
     """
+    check_names(names)
     settings = settings._replace(needs_wake_word=bool(names.wake_word))
     ear = SpeechProcess(
         "ear", "ear", {"wake_word": names.wake_word, "echo": names.echo}, within_s=5.0, on_fault=on_fault

@@ -121,6 +121,13 @@ def test_a_text_is_spoken_sentence_by_sentence_however_long_it_is(
         (["speak", "x", "--voice", "piper:model=no.onnx"], "piper"),
         (["speak", "x", "-o", "out.mp3"], "'out.mp3' does not end in .wav"),
         (["voice", "a.wav", "-o", "out.mp3", "--ros"], "'out.mp3' does not end in .wav"),
+        (["listen", "a.wav", "--device", "mic"], "--device is the microphone"),
+        (["speak", "x", "-o", "a.wav", "--device", "box"], "--device is the speaker"),
+        (["voice", "a.wav", "--speaker", "box", "--ros"], "a FILE is listened to without devices"),
+        (["listen", "--recogniser", ""], "no recogniser '' is known; there is: pocketsphinx, whisper"),
+        (["listen", "--second", "sphinx"], "no recogniser 'sphinx' is known; did you mean 'pocketsphinx'?"),
+        (["listen", "--recogniser", "pocketsphinx", "--second", ""], "'pocketsphinx' takes any sound for a phrase"),
+        (["listen", "--second", "whisper"], "'whisper' as the second recogniser agrees with itself"),
         (["listen", "no.wav"], "there is no file no.wav"),
         (["listen", "pyproject.toml"], "pyproject.toml is no WAV file that can be read"),
     ],
@@ -168,6 +175,11 @@ def test_the_sound_of_a_conversation_needs_a_conversation(capsys: pytest.Capture
     [
         (["--voice", "espeek"], "no voice 'espeek' is known; did you mean 'espeak'?"),
         (["--voice", "--recogniser", "wisper"], "no recogniser 'wisper' is known; did you mean 'whisper'?"),
+        (["--voice", "--recogniser", ""], "no recogniser '' is known; there is: pocketsphinx, whisper"),
+        (
+            ["--recogniser", "pocketsphinx"],
+            "the recogniser 'pocketsphinx' takes any sound for a phrase: it may be the second, which agrees",
+        ),
         (["--wake-word", "alexa"], "--wake-word is of this machine's microphone: give --voice too"),
     ],
 )

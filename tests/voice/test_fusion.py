@@ -17,6 +17,7 @@ from rai_missions.voice.fusion import (
     fused,
     guesses_in,
     odds_in,
+    votes_in,
 )
 
 PHRASES = ("stop", "yes", "cancel the mission", "resume the mission")
@@ -285,3 +286,10 @@ def test_what_a_recogniser_sends_as_odds_is_numbers_of_expected_phrases() -> Non
     sent = {"yes": 1, "stop": float("nan"), "open": 9.0, "resume the mission": 1e9, "cancel the mission": "9"}
     assert odds_in({"odds": sent}, PHRASES) == {"yes": 1.0, "resume the mission": 30.0}
     assert odds_in({"odds": [9.0]}, PHRASES) == odds_in({}, PHRASES) == {}
+
+
+@given(evidence)
+def test_the_second_votes_for_two_phrases_however_many_it_has_evidence_for(found: dict[str, float]) -> None:
+    votes, others = votes_in({"evidence": found}, PHRASES), sorted(found.values())[:-2]
+    assert votes.items() <= found.items() and len(votes) == min(2, sum(each > 0 for each in found.values()))
+    assert min(votes.values(), default=20.0) >= max(others, default=-20.0)

@@ -22,6 +22,7 @@ from rai_missions.voice.process import SpeechProcess
 from rai_missions.voice.setup import Recognition
 
 PACKAGE = """
+import os
 from rai_missions.voice.kind import EarReading, Reading
 
 class LevelEar:
@@ -33,7 +34,10 @@ class PipedWords:
         self._pipe = pipe
     def transcribe(self, samples, phrases):
         with open(self._pipe) as words:
-            return Reading(words.readline().strip())
+            text = words.readline().strip()
+        if text == "crash":
+            os.abort()
+        return Reading(text)
 """
 OFFERS = """[rai_missions.ears]
 level = piped_words:LevelEar
@@ -58,9 +62,9 @@ class Scene:
     def __init__(self, pipe: Path) -> None:
         self._pipe, self._frames = pipe, 0
         os.mkfifo(pipe)
-        self.found = Inbox[Reported]()
+        self.found, self.faults = Inbox[Reported](), Inbox[str]()
         self._ear = SpeechProcess("ear", "level")
-        self._words = SpeechProcess("recogniser", "piped", {"pipe": str(pipe)})
+        self._words = SpeechProcess("recogniser", "piped", {"pipe": str(pipe)}, on_fault=self.faults)
         for process in (self._ear, self._words):
             process.open()
             process.wait_open()
@@ -142,3 +146,12 @@ def test_a_person_who_speaks_as_the_listening_ends_has_a_transcript_so_that_last
     assert [each.what for each in scene.wait(1)] == ["present"]
     scene.close()
     assert [each.what for each in scene.wait(2)] == ["present", ""]
+
+
+@pytest.mark.parametrize(("text", "found"), [("good morning", "good morning"), ("crash", "")])
+def test_a_turn_whose_recogniser_ended_is_transcribed_by_the_next_one_once(scene: Scene, text: str, found: str) -> None:
+    scene.frames(*[SPEECH] * 5, *[QUIET] * 13)
+    scene.words("crash")
+    scene.faults.wait(bool, "the recogniser has ended")
+    threading.Thread(target=scene.words, args=(text,), daemon=True).start()  # it waits where no recogniser reads
+    assert [each.what for each in scene.wait(2)] == ["present", found]

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from rai_missions.errors import UsageError
 from rai_missions.testing import Inbox
 from rai_missions.voice.listener import ListenSettings
 from rai_missions.voice.process import SpeechProcess, SpeechReply
@@ -37,6 +38,7 @@ class Hostile:
 def open_recogniser(mood=""):
     if mood == "mute": return 7
     if mood == "broken": return mood + 7
+    if mood == "crash": os._exit(3)
     if mood == "absent": raise ImportError("no such weights")
     return Hostile()
 """
@@ -143,6 +145,15 @@ def test_one_that_cannot_be_opened_is_absent_with_its_reason(package: None) -> N
     reply, _ = process.ask_and_wait({"do": "transcribe", "phrases": []}, (b"x",))
     assert "no such weights" in reply.fault
     assert time.monotonic() - began < 30
+    process.close()
+
+
+def test_one_that_crashes_where_it_is_opened_is_not_ready_and_its_end_is_named(package: None) -> None:
+    process = SpeechProcess("recogniser", "hostile", {"mood": "crash"})
+    process.open()
+    assert not process.wait_ready(30)
+    with pytest.raises(UsageError, match=r"^the recogniser 'hostile' ended: it ended with status 3$"):
+        process.wait_open()
     process.close()
 
 

@@ -41,6 +41,9 @@ def listen(
         rai-missions listen question.wav
     """
     from rai_missions.cli.sound import listen_to
+    from rai_missions.errors import UsageError
     from rai_missions.voice.setup import ListenNames
 
+    if file is not None and device is not None:
+        raise UsageError("--device is the microphone that is listened to instead of a FILE: leave one of them out")
     return listen_to(file, device, ListenNames(recogniser, second, wake_word), as_json=json)

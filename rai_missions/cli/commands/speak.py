@@ -41,6 +41,8 @@ def speak(
 
     if output is not None:
         check_wav_name(output)
+        if device is not None:
+            raise UsageError("--device is the speaker that plays what -o writes into a file: leave one of them out")
     if not (parts := sentences(text)):
         raise UsageError("there is nothing to speak: the text is empty")
     name, options = split_options(voice)

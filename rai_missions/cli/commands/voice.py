@@ -71,6 +71,8 @@ def voice(
         raise UsageError(f"'--below {below}' is no beginning of a topic's name; write it like '/alpha'")
     if file is None and output is not None:
         raise UsageError("-o writes what is spoken next to a FILE; a speaker plays it: leave -o out, or name a FILE")
+    if file is not None and (microphone, speaker) != (None, None):
+        raise UsageError("a FILE is listened to without devices: leave --microphone and --speaker out, or the FILE")
     words_of(language)
     if output is not None:
         check_wav_name(output)

@@ -126,9 +126,9 @@ def normalise_voice_args(options: RunOptions) -> RunOptions:
         raise UsageError("--talk does not go with --json: it writes what is talked on standard output")
     if options.talk:
         from rai_missions.voice.kind import known
-        from rai_missions.voice.setup import split_options
+        from rai_missions.voice.setup import ListenNames, check_names, split_options
 
-        known("recogniser", split_options(options.recogniser)[0])
+        check_names(ListenNames(options.recogniser))
         known("voice", split_options(options.voice or "flite")[0])
     return options
 
