@@ -57,6 +57,9 @@ RECOGNISER = os.environ.get("RECOGNISER", "whisper")
 """The first recogniser, with its options: `whisper:weights=base`."""
 LEVELS = tuple(int(each) for each in os.environ.get("DB", "40 20 10").split())
 """By how many dB the noise of the orders is below the speech."""
+NOISES = tuple(os.environ.get("NOISES", "white pink").split())
+"""Their noises: white, pink, babble of eight voices, hum of the mains."""
+HUM_HZ, HUM_PARTIALS = 50, 20
 FIRST, LAST = (int(each) for each in os.environ.get("WINDOWS", "0 1000000").split())
 """Which windows of `false` are transcribed: parts of a long run, one after the other."""
 HERE = "HERE" in os.environ
@@ -180,12 +183,33 @@ def speech(text: str, speaker: str) -> np.ndarray:
 
 
 def noise(kind: str, count: int, random: np.random.Generator) -> np.ndarray:
+    """White, pink, babble or hum, whose mean square is 1."""
+    if kind == "babble":
+        start = int(random.integers(len(babble()) - count))
+        return babble()[start : start + count]
+    if kind == "hum":
+        angles = 2 * np.pi * HUM_HZ * np.arange(count) / RATE_HZ
+        partials = sum(np.sin(each * angles + random.uniform(0, 2 * np.pi)) / each for each in range(1, HUM_PARTIALS))
+        return np.asarray(partials / np.sqrt(np.mean(partials**2)))
     white = random.normal(size=count)
     if kind == "white":
         return white
     spectrum = np.fft.rfft(white) / np.sqrt(np.maximum(1, np.arange(count // 2 + 1)))
     pink = np.fft.irfft(spectrum, count)
     return np.asarray(pink / np.sqrt(np.mean(pink**2)))
+
+
+@lru_cache
+def babble() -> np.ndarray:
+    """Half a minute of a room full of people: the guide, read by eight at once, from eight places on."""
+    words, mixture = READ_TEXT.read_text().split(), np.zeros(30 * RATE_HZ)
+    for place in range(8):
+        start, track = place * len(words) // 8, np.zeros(0)
+        while len(track) < len(mixture):
+            track = np.append(track, speech(" ".join(words[start : start + 12]), SPEAKERS[place % 4]))
+            start += 12
+        mixture += track[: len(mixture)]
+    return np.asarray(mixture / np.sqrt(np.mean(mixture**2)))
 
 
 def mixed(
@@ -264,7 +288,7 @@ def order_of(phrase: str) -> str:
 def orders(bench: Bench, scale: int) -> None:
     random, hits, counts, missed = np.random.default_rng(SEED), Counter[Any](), Counter[Any](), Counter[Any]()
     matrix = defaultdict[str, Counter[str]](Counter)
-    for db, kind in product(LEVELS, ("white", "pink")):
+    for db, kind in product(LEVELS, NOISES):
         bench.new_ear()  # as in a room whose noise lasts: the ear has had time to know it
         for phrase, speaker, _ in product(SPOKEN, SPEAKERS, range(scale)):
             found = bench.of(FileSound(mixed(speech(f"{phrase.capitalize()}.", speaker), db, kind, random)))
