@@ -22,7 +22,7 @@ from rai_missions.conversation import (
     Speech,
     Utterance,
 )
-from rai_missions.conversation.dialogue.document_side import LONGEST_QUOTE, LONGEST_SOURCE, MOST_OPEN, MOST_QUOTES
+from rai_missions.conversation.dialogue.document_lookup import LONGEST_QUOTE, LONGEST_SOURCE, MOST_OPEN, MOST_QUOTES
 from tests.conversation.test_laws import BEGIN, CLAIMS, DOORS, HOSTILE, MAY, QUICK, Referee, lists, speaks
 from tests.hostile.test_documents import COMMANDS
 

@@ -14,7 +14,7 @@ from typing import Literal, NamedTuple
 
 from rai_missions.conversation.dialogue.order_rules import binding, forbidden
 from rai_missions.conversation.dialogue.request_queue import JudgedOrder, RequestQueue, order_data
-from rai_missions.conversation.dialogue.speech_side import SpeechSide
+from rai_missions.conversation.dialogue.speech_output import SpeechOutput
 from rai_missions.conversation.dialogue.talk import Talk
 from rai_missions.conversation.grammar.senses import Sense
 from rai_missions.conversation.inputs import SpeechEnd, Utterance
@@ -65,12 +65,12 @@ class OrderConfirmation:
     """What was read back, until it counts or is void.
 
     Args:
-        talk: What the sides share.
+        talk: What the parts of the dialogue share.
         speaking: Where texts go out.
         requests: What waits; dropped with a request that is not confirmed.
     """
 
-    def __init__(self, talk: Talk, speaking: SpeechSide, requests: RequestQueue) -> None:
+    def __init__(self, talk: Talk, speaking: SpeechOutput, requests: RequestQueue) -> None:
         self._talk, self._speaking, self._requests = talk, speaking, requests
         self.pending: Confirmable | None = None
         self._ended_at, self._ended_by = float("-inf"), ("", "")

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
-from rai_missions.conversation.dialogue.document_side import DocumentSide
-from rai_missions.conversation.dialogue.model_side import ModelSide
-from rai_missions.conversation.dialogue.offer_side import OfferSide
-from rai_missions.conversation.dialogue.order_side import OrderSide
-from rai_missions.conversation.dialogue.sentence_side import SentenceSide
-from rai_missions.conversation.dialogue.speech_side import SpeechSide
+from rai_missions.conversation.dialogue.document_lookup import DocumentLookup
+from rai_missions.conversation.dialogue.model_replies import ModelReplies
+from rai_missions.conversation.dialogue.order_judge import OrderJudge
+from rai_missions.conversation.dialogue.order_offers import OrderOffers
+from rai_missions.conversation.dialogue.sentence_reader import SentenceReader
+from rai_missions.conversation.dialogue.speech_output import SpeechOutput
 from rai_missions.conversation.dialogue.talk import Talk
 from rai_missions.conversation.grammar.grammar import Grammar
 from rai_missions.conversation.grammar.likeness import Likeness, WordLikeness
@@ -44,17 +44,17 @@ class Dialogue:
 
     def __init__(self, settings: Settings = SETTINGS, view: StatusView = NO_RUN, likeness: Likeness = WORDS) -> None:
         self._talk = Talk(settings, view)
-        self._speaking = SpeechSide(self._talk)
-        self._orders = OrderSide(self._talk, self._speaking)
-        self._documents = DocumentSide(self._talk, self._speaking)
+        self._speaking = SpeechOutput(self._talk)
+        self._orders = OrderJudge(self._talk, self._speaking)
+        self._documents = DocumentLookup(self._talk, self._speaking)
         grammar = Grammar(self._talk.language, self._talk.starts, settings.questions)
         suggestions = Suggestions(grammar.sentence)
         nearest = NearestOrders(grammar.sentence, self._talk.starts, suggestions, likeness)
-        offers = OfferSide(self._talk, self._orders, nearest)
-        self._models = ModelSide(
+        offers = OrderOffers(self._talk, self._orders, nearest)
+        self._models = ModelReplies(
             self._talk, speaking=self._speaking, orders=self._orders, documents=self._documents, offers=offers
         )
-        self._sentences = SentenceSide(
+        self._sentences = SentenceReader(
             self._talk,
             grammar,
             suggestions,
@@ -77,8 +77,8 @@ class Dialogue:
     @property
     def wake_at(self) -> float | None:
         """The instant at which `on_time` has something to do, on the dialogue's clock; None: nothing is due."""
-        sides = (self._speaking, self._orders, self._models, self._documents)
-        return min((at for each in sides if (at := each.wake_at()) is not None), default=None)
+        parts = (self._speaking, self._orders, self._models, self._documents)
+        return min((at for each in parts if (at := each.wake_at()) is not None), default=None)
 
     @property
     def asks_to_begin(self) -> bool:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import TypeVar
 
 from rai_missions.conversation.dialogue.request_queue import JudgedOrder, order_data
-from rai_missions.conversation.dialogue.speech_side import SpeechSide
+from rai_missions.conversation.dialogue.speech_output import SpeechOutput
 from rai_missions.conversation.dialogue.talk import Talk
 from rai_missions.conversation.grammar.senses import Sense
 from rai_missions.conversation.inputs import OrderEnd, OrderResult, Utterance
@@ -38,11 +38,11 @@ class GivenOrders:
     """What was given out, by whom, and what became of it.
 
     Args:
-        talk: What the sides share.
+        talk: What the parts of the dialogue share.
         speaking: Where texts go out.
     """
 
-    def __init__(self, talk: Talk, speaking: SpeechSide) -> None:
+    def __init__(self, talk: Talk, speaking: SpeechOutput) -> None:
         self._talk, self._speaking = talk, speaking
         self._count = 0
         self._under_way: dict[int, JudgedOrder] = {}

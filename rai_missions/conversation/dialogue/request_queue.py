@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from rai_missions.conversation.dialogue.speech_side import SpeechSide
+from rai_missions.conversation.dialogue.speech_output import SpeechOutput
 from rai_missions.conversation.dialogue.talk import Talk
 from rai_missions.conversation.grammar.senses import Sense
 from rai_missions.conversation.inputs import Utterance
@@ -48,11 +48,11 @@ class RequestQueue:
     """The requests that wait, the oldest first.
 
     Args:
-        talk: What the sides share.
+        talk: What the parts of the dialogue share.
         speaking: Where texts go out.
     """
 
-    def __init__(self, talk: Talk, speaking: SpeechSide) -> None:
+    def __init__(self, talk: Talk, speaking: SpeechOutput) -> None:
         self._talk, self._speaking = talk, speaking
         self._waiting: deque[JudgedOrder] = deque()
         self._lost: tuple[str, ...] = ()

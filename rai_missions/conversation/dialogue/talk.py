@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What all sides of a dialogue share: its settings, its present, the run's view, the history, and what goes out."""
+"""What all parts of a dialogue share: its settings, its present, the run's view, the history, and what goes out."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from rai_missions.conversation.dialogue.speech_side import SpeechSide
+from rai_missions.conversation.dialogue.speech_output import SpeechOutput
 from rai_missions.conversation.dialogue.talk import Talk
 from rai_missions.conversation.grammar.unread_sentence import is_question
 from rai_missions.conversation.inputs import DocumentQuote, FoundQuotes, Utterance
@@ -18,7 +18,7 @@ from rai_missions.conversation.outputs import LookUp
 from rai_missions.planning.text.normalise import LONGEST, readable
 from rai_missions.redaction import cut, quotable
 
-__all__ = ("DocumentSide",)
+__all__ = ("DocumentLookup",)
 
 MOST_OPEN = 5
 """Questions that are looked up at once; another one is answered without the documents."""
@@ -39,15 +39,15 @@ class OpenLook(NamedTuple):
     """When it is reported that the look takes its time; None: it was."""
 
 
-class DocumentSide:
+class DocumentLookup:
     """Has questions looked up, and quotes what is found.
 
     Args:
-        talk: What the sides share.
+        talk: What the parts of the dialogue share.
         speaking: Where texts go out.
     """
 
-    def __init__(self, talk: Talk, speaking: SpeechSide) -> None:
+    def __init__(self, talk: Talk, speaking: SpeechOutput) -> None:
         self._talk, self._speaking = talk, speaking
         self._count = 0
         self._open: dict[int, OpenLook] = {}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The robot's side of a dialogue: every text that goes out has a key, and its end is waited for."""
+"""What the robot speaks in a dialogue: every text that goes out has a key, and its end is waited for."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rai_missions.conversation.outputs import NoteKind, Silence, Speech, Way
 from rai_missions.redaction import redacted
 from rai_missions.voice.spoken_text import SpeechPriority
 
-__all__ = ("SpeechSide",)
+__all__ = ("SpeechOutput",)
 
 
 class OutstandingSpeech(NamedTuple):
@@ -22,11 +22,11 @@ class OutstandingSpeech(NamedTuple):
     until: float
 
 
-class SpeechSide:
+class SpeechOutput:
     """Gives out speech and reports, and follows what becomes of them.
 
     Args:
-        talk: What the sides share.
+        talk: What the parts of the dialogue share.
     """
 
     def __init__(self, talk: Talk) -> None:

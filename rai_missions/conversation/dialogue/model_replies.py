@@ -10,14 +10,14 @@ from __future__ import annotations
 from rai_missions.conversation.answers.unread_answers import UnreadAnswers
 from rai_missions.conversation.claims.claims import Claims
 from rai_missions.conversation.claims.judged_sentence import ClaimKind
-from rai_missions.conversation.dialogue.document_side import DocumentSide
+from rai_missions.conversation.dialogue.document_lookup import DocumentLookup
 from rai_missions.conversation.dialogue.model_turns import ModelTurn, ModelTurns
-from rai_missions.conversation.dialogue.offer_side import OfferSide
 from rai_missions.conversation.dialogue.order_forms import order_forms, proposed
+from rai_missions.conversation.dialogue.order_judge import OrderJudge
+from rai_missions.conversation.dialogue.order_offers import OrderOffers
 from rai_missions.conversation.dialogue.order_rules import may
-from rai_missions.conversation.dialogue.order_side import OrderSide
 from rai_missions.conversation.dialogue.proposed_texts import own_texts
-from rai_missions.conversation.dialogue.speech_side import SpeechSide
+from rai_missions.conversation.dialogue.speech_output import SpeechOutput
 from rai_missions.conversation.dialogue.talk import Talk
 from rai_missions.conversation.inputs import ModelText, SpeechEnd, Utterance
 from rai_missions.conversation.language.question_words import options_text
@@ -27,16 +27,16 @@ from rai_missions.plain_data import plain
 from rai_missions.planning.text.normalise import LONGEST
 from rai_missions.redaction import cut
 
-__all__ = ("ModelSide",)
+__all__ = ("ModelReplies",)
 
 LONGEST_NOTE = 500
 
 
-class ModelSide:
+class ModelReplies:
     """Asks the model, and lets out of its reply what may be spoken.
 
     Args:
-        talk: What the sides share.
+        talk: What the parts of the dialogue share.
         speaking: Where texts go out.
         orders: Where an order that a model proposes is judged.
         documents: Where a question is looked up that no model has answered.
@@ -44,7 +44,7 @@ class ModelSide:
     """
 
     def __init__(
-        self, talk: Talk, *, speaking: SpeechSide, orders: OrderSide, documents: DocumentSide, offers: OfferSide
+        self, talk: Talk, *, speaking: SpeechOutput, orders: OrderJudge, documents: DocumentLookup, offers: OrderOffers
     ) -> None:
         self._talk, self._speaking, self._orders, self._documents = talk, speaking, orders, documents
         self._offers = offers

@@ -8,25 +8,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rai_missions.conversation.dialogue.order_side import OrderSide
+from rai_missions.conversation.dialogue.order_judge import OrderJudge
 from rai_missions.conversation.dialogue.talk import Talk
 from rai_missions.conversation.grammar.nearest_orders import NearestOrders
 from rai_missions.conversation.grammar.senses import Sense
 from rai_missions.conversation.inputs import Utterance
 
-__all__ = ("OfferSide",)
+__all__ = ("OrderOffers",)
 
 
-class OfferSide:
+class OrderOffers:
     """Offers orders for sentences that no rule reads.
 
     Args:
-        talk: What the sides share.
+        talk: What the parts of the dialogue share.
         orders: Where an order is judged and read back.
         nearest: Finds what is near.
     """
 
-    def __init__(self, talk: Talk, orders: OrderSide, nearest: NearestOrders) -> None:
+    def __init__(self, talk: Talk, orders: OrderJudge, nearest: NearestOrders) -> None:
         self._talk, self._orders, self._nearest = talk, orders, nearest
 
     def offer(self, utterance: Utterance) -> None:

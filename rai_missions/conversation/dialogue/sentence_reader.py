@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sentences that the rules understand: questions of state are answered, orders and confirmations are handed on.
 
-Rule: nothing is ordered here; whatever a sentence may order goes to the `OrderSide`, which judges it.
+Rule: nothing is ordered here; whatever a sentence may order goes to the `OrderJudge`, which judges it.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ from typing import Literal
 
 from rai_missions.conversation.answers.state_answers import Asker
 from rai_missions.conversation.dialogue.confirmation import CROSSING_S
-from rai_missions.conversation.dialogue.document_side import DocumentSide
+from rai_missions.conversation.dialogue.document_lookup import DocumentLookup
 from rai_missions.conversation.dialogue.given_orders import LONGEST_REASON, SPEAKERS, remember
-from rai_missions.conversation.dialogue.model_side import ModelSide
-from rai_missions.conversation.dialogue.offer_side import OfferSide
+from rai_missions.conversation.dialogue.model_replies import ModelReplies
+from rai_missions.conversation.dialogue.order_judge import EarlierOrder, OrderJudge
+from rai_missions.conversation.dialogue.order_offers import OrderOffers
 from rai_missions.conversation.dialogue.order_rules import forbidden, may, must_confirm
-from rai_missions.conversation.dialogue.order_side import EarlierOrder, OrderSide
-from rai_missions.conversation.dialogue.speech_side import SpeechSide
+from rai_missions.conversation.dialogue.speech_output import SpeechOutput
 from rai_missions.conversation.dialogue.talk import Talk
 from rai_missions.conversation.grammar.corrections import Draft
 from rai_missions.conversation.grammar.grammar import Grammar
@@ -36,7 +36,7 @@ from rai_missions.event import Role
 from rai_missions.profile.conversation import ORDERS
 from rai_missions.redaction import cut
 
-__all__ = ("Handling", "SentenceSide")
+__all__ = ("Handling", "SentenceReader")
 
 Handling = Literal["handled", "stopped", "unknown"]
 """What became of a sentence: rules answered it, it stopped the run, or the rules do not know it."""
@@ -48,11 +48,11 @@ LATE_S = 30.0
 """Seconds after the end of a question, or after a start was taken, within which a sentence may be meant for it."""
 
 
-class SentenceSide:
+class SentenceReader:
     """Reads sentences by the grammar, and finds the one thing that each means.
 
     Args:
-        talk: What the sides share.
+        talk: What the parts of the dialogue share.
         grammar: Reads the sentences.
         suggestions: Finds orders in other talk.
         speaking: Where texts go out.
@@ -68,11 +68,11 @@ class SentenceSide:
         grammar: Grammar,
         suggestions: Suggestions,
         *,
-        speaking: SpeechSide,
-        orders: OrderSide,
-        documents: DocumentSide,
-        models: ModelSide,
-        offers: OfferSide,
+        speaking: SpeechOutput,
+        orders: OrderJudge,
+        documents: DocumentLookup,
+        models: ModelReplies,
+        offers: OrderOffers,
     ) -> None:
         self._talk, self._speaking, self._orders, self._documents = talk, speaking, orders, documents
         self._models, self._offers = models, offers

@@ -23,7 +23,7 @@ from rai_missions.conversation.dialogue.order_rules import (
     why_not_permitted,
 )
 from rai_missions.conversation.dialogue.request_queue import JudgedOrder, RequestQueue, order_data
-from rai_missions.conversation.dialogue.speech_side import SpeechSide
+from rai_missions.conversation.dialogue.speech_output import SpeechOutput
 from rai_missions.conversation.dialogue.talk import Talk
 from rai_missions.conversation.grammar.senses import STOP, Sense, joined
 from rai_missions.conversation.inputs import SpeechEnd, Utterance
@@ -35,7 +35,7 @@ from rai_missions.event import Role
 from rai_missions.planning.text.normalise import LONGEST
 from rai_missions.redaction import cut
 
-__all__ = ("EarlierOrder", "OrderSide")
+__all__ = ("EarlierOrder", "OrderJudge")
 
 
 class EarlierOrder(NamedTuple):
@@ -46,15 +46,15 @@ class EarlierOrder(NamedTuple):
     at: float
 
 
-class OrderSide:
+class OrderJudge:
     """Judges orders, and keeps what waits for a confirmation or for its turn.
 
     Args:
-        talk: What the sides share.
+        talk: What the parts of the dialogue share.
         speaking: Where texts go out.
     """
 
-    def __init__(self, talk: Talk, speaking: SpeechSide) -> None:
+    def __init__(self, talk: Talk, speaking: SpeechOutput) -> None:
         self._talk, self._speaking = talk, speaking
         self.given = GivenOrders(talk, speaking)
         """What was given out."""
