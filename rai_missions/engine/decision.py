@@ -98,11 +98,10 @@ class Question(NamedTuple):
 
 
 class Proposal(NamedTuple):
-    """An answer."""
+    """An answer, without its reason: that is no fact, so only the event that brought it has it, and no step states it."""
 
     option: str
     parameters: Mapping[str, Any] = {}
-    why: str = ""
 
 
 VerdictKind = Literal["proposal", "failed", "absent", "timed_out", "stale", "fallback"]

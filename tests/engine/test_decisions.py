@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from rai_missions.engine import Chart
 from rai_missions.engine.decision import Question
 from rai_missions.engine.step import Step, Withdraw
+from rai_missions.engine.trees import CompiledTrees
 from rai_missions.event import Event, Tick
 from tests.rigs.charts import mission, sent, ticked, transition
 
@@ -231,6 +232,36 @@ def test_no_proposal_moves_the_mission_off_its_options(proposals: list[dict[str,
             assert data.get("option") == "over"
     ticked(made, 100.0)
     assert made.active != {"ask"}
+
+
+UNHANDLED = asking()
+IN_A_TREE = {
+    "ask": {
+        "tree": {
+            "decision": {
+                "question": "What now?", "options": {"grow": {"parameters": SIZED}, "stop": {}}, "ask": ["agent"],
+                "fallback": "stop",
+            },
+            "then": {"grow": {"call": "horn"}, "stop": {"call": "horn"}},
+        },
+        "timeout_s": 20,
+    },
+    "gone": {},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("states", [UNHANDLED, IN_A_TREE])
+def test_the_reason_of_an_answer_is_in_its_event_alone(states: dict[str, Any]) -> None:
+    """Else a model's claim would be why the mission ended, or a remark of the engine."""
+    results = []
+    for reason in ("", "I have arrived at the dock."):
+        made = Chart(mission(states, blackboard=BOARD), CompiledTrees())
+        question = made.start(0.0).question
+        assert question is not None
+        step = made.propose(question.number, "grow", {"size": 7}, why=reason)
+        assert step.verdict is not None and step.verdict.accepted and step.event.data.get("why", "") == reason
+        results.append((step._replace(event=Tick(0.0)), made.snapshot()))
+    assert results[0] == results[1]
 
 
 @pytest.mark.parametrize("other", [{}, {"entry": [{"raise": "e", "after_s": 2}]}])

@@ -111,7 +111,7 @@ class DecisionMachine(Machine):
             verdict, text = Verdict(False, why, "failed", question.number, event.name), f"{who} gave no answer: {why}"
             return self._again(state, host, verdict, text, refusal=text)
         given = data.get("parameters")
-        proposal = Proposal(data["option"], given if isinstance(given, Mapping) else {}, str(data.get("why", "")))
+        proposal = Proposal(data["option"], given if isinstance(given, Mapping) else {})
         verdict = judge(question, proposal, host.view, self.tests)
         if verdict.accepted and (why := self._parameter_fault(proposal)):
             verdict = Verdict(False, f"the parameters of '{proposal.option}' are not valid: {why}")
@@ -120,7 +120,7 @@ class DecisionMachine(Machine):
         text = f"{who} proposed '{option}'"
         if not verdict.accepted:
             return self._again(state, host, verdict, f"{text}: refused, {verdict.why}", refusal=verdict.why)
-        outcome = Outcome(proposal.option, dict(proposal.parameters), proposal.why)
+        outcome = Outcome(proposal.option, dict(proposal.parameters))
         writes = tuple(self._written(proposal))
         return _noted(Turn(None, outcome=outcome, writes=writes), verdict, f"{text}: accepted")
 
