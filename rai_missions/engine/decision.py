@@ -98,7 +98,7 @@ class Question(NamedTuple):
 
 
 class Proposal(NamedTuple):
-    """An answer, without its reason: that is no fact, so only the event that brought it has it, and no step states it."""
+    """An answer without its reason, which is no fact: only the event that brought it has it, and no step states it."""
 
     option: str
     parameters: Mapping[str, Any] = {}
