@@ -191,7 +191,7 @@ def at_place() -> Each:
     return Each(
         "views",
         item="view",
-        about="from view to view of the place",
+        about="drives from view to view of the place",
         initial="on_the_way",
         states={
             "on_the_way": on_the_way(),

@@ -113,7 +113,7 @@ def mission() -> Mission:
         states={
             "on_the_way": on_the_way,
             "docking": dock(
-                "to the dock, because the battery runs low or is not received any more", (None, "charging")
+                "drives to the dock, because the battery runs low or is not received any more", (None, "charging")
             ),
             "charging": State(
                 transitions=[
@@ -139,8 +139,12 @@ def mission() -> Mission:
         initial="patrolling",
         states={
             "patrolling": patrolling,
-            "returning": dock("every waypoint has had its turn", (k.skipped == 0, "done"), (None, "incomplete")),
-            "giving_up": dock("back to the dock, with the patrol not finished", (None, "aborted")),
+            "returning": dock(
+                "drives back to the dock; every waypoint has had its turn",
+                (k.skipped == 0, "done"),
+                (None, "incomplete"),
+            ),
+            "giving_up": dock("drives back to the dock, with the patrol not finished", (None, "aborted")),
             "done": Final("succeeded", about="every waypoint was visited, and the robot charges", requires=CHARGING),
             "incomplete": Final("failed", about="on the dock, with waypoints left out"),
             "stranded": Final(

@@ -10,7 +10,7 @@ TROUBLE = ("failed", "unverified", "timed_out")
 
 k = Keys(
     alleys=Key(
-        int, source="argument", initial=6, about="how many alleys are to be driven, those counted before included"
+        int, source="argument", initial=6, about="how many alleys are to be driven, with those that were driven before"
     ),
     alleys_driven=Key(int, source="robot", max_age_s=5, about="alleys driven from end to end, by pose"),
     at_home=Key(bool, source="robot", max_age_s=5, about="it is where it set out"),
@@ -34,10 +34,16 @@ k = Keys(
         },
         about="what the detector sees in the alley",
     ),
-    passed=Key(bool, source="robot", max_age_s=5, optional=True, about="the last obstacle lies behind, as it lay"),
+    passed=Key(
+        bool,
+        source="robot",
+        max_age_s=5,
+        optional=True,
+        about="the tractor is past the last obstacle, which lies where it lay",
+    ),
     touched_living=Key(bool, source="robot", max_age_s=5, about="a person or an animal was touched"),
     crossings=Key(int, source="mission", initial=0, about="attempts to get past this obstacle"),
-    signals=Key(int, source="mission", initial=0, about="how often it was signalled here"),
+    signals=Key(int, source="mission", initial=0, about="how often the tractor signalled at this obstacle"),
     unfinished=Key(bool, source="mission", initial=False, about="alleys are left that cannot be driven"),
 )
 
@@ -61,7 +67,7 @@ def mission() -> Mission:
         initial="setting_out",
         states={
             "setting_out": State(
-                about="what was driven before this run is no success of it",
+                about="checks that alleys are left to drive",
                 transitions=[
                     When((k.alleys_driven >= k.alleys) | ~k.alleys_driven.fresh, to="nothing_to_do"),
                     When(k.alleys_driven < k.alleys, to="working"),
@@ -113,7 +119,7 @@ def mission() -> Mission:
             ),
             "crossing": Action(
                 "cross",
-                about="over what lies there, and only while it does not live",
+                about="drives over the obstacle, as long as it is not alive",
                 achieved=k.passed,
                 settle_s=1,
                 timeout_s=30,
@@ -128,7 +134,7 @@ def mission() -> Mission:
             ),
             "replanning": Call(
                 "replan",
-                about="back out of the alley",
+                about="backs out of the alley",
                 timeout_s=10,
                 control="agent",
                 transitions=[
@@ -148,12 +154,12 @@ def mission() -> Mission:
                 ],
             ),
             "looking": State(
-                about="refused, or no one knows whether it was done: a moment to receive what is so",
+                about="an order was refused, or its outcome is unknown: waits a moment for new readings",
                 control="agent",
                 transitions=[When(k.alleys_driven >= k.alleys, to="done"), After(3, to="going_on")],
             ),
             "going_on": State(
-                about="what is so shows how",
+                about="continues as the readings allow",
                 control="agent",
                 transitions=[
                     When(
@@ -169,7 +175,7 @@ def mission() -> Mission:
             ),
             "signalling": Tree(
                 tree.Sequence([tree.Call("horn", timeout_s=2), tree.Wait(5)]),
-                about="what lives may walk away; its silence counts only while the camera is received",
+                about="sounds the horn and waits; the alley counts as free where a working camera sees nothing",
                 timeout_s=10,
                 control="agent",
                 entry=[Set(k.signals, add=1)],
@@ -180,7 +186,7 @@ def mission() -> Mission:
             ),
             "returning": Action(
                 "go_home",
-                about="home, out of everybody's way",
+                about="drives home, out of everybody's way",
                 achieved=k.at_home,
                 settle_s=2,
                 timeout_s=300,
@@ -196,9 +202,9 @@ def mission() -> Mission:
             ),
             "nothing_to_do": Final(
                 "failed",
-                about="the count has so many alleys already, or is not received: nothing was driven by this run",
+                about="every alley was driven before, or their count is not received: this run drove none",
             ),
-            "unfinished_home": Final("failed", about="home, with alleys left"),
+            "unfinished_home": Final("failed", about="came home with alleys left"),
             "stranded": Final(
                 "failed",
                 about="it is stuck somewhere and cannot come home; a person must fetch it",
@@ -209,7 +215,7 @@ def mission() -> Mission:
                 about="stopped in its alley for good; a person is called and must come",
                 entry=[HALT, Say("I have stopped here for good. A person must come.")],
             ),
-            "aborted": Final("aborted", about="home before the work was done"),
+            "aborted": Final("aborted", about="came home before the work was done"),
             "stopped": Final(
                 "aborted", about="stopped at once: for an e-stop, or because its touch sensor fell silent", entry=[HALT]
             ),
