@@ -12,9 +12,9 @@ from typing import Any
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.action import GOAL_ENDS, GoalActivity
-from rai_missions.engine.activities.activity import ActivityHost, Turn
+from rai_missions.engine.activities.activity import ActivityHost, Machine, Turn
 from rai_missions.engine.activities.behaviour import BehaviourActivity
-from rai_missions.engine.activities.call import REPLIES
+from rai_missions.engine.activities.call import replies_to
 from rai_missions.engine.activities.decision import DecisionActivity, DecisionMachine
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree import TreeActivity
@@ -111,8 +111,8 @@ class InputEnvironment:
         for goal in self._rest.pursued:
             if not is_held(self._chart.state, self._chart.program.graph.nodes[goal.owner.partition("#")[0]]):
                 yield from self._goal(goal)
-        for number, owner in list(self._called()):
-            yield from self._call(number, owner)
+        for number, owner, machine in list(self._called()):
+            yield from self._call(number, owner, machine)
         for number, owner in self._behaving():
             for status in ("success", "failure"):
                 event = Event("behaviour", NOW, {"status": status}, "behaviour", number)
@@ -130,10 +130,10 @@ class InputEnvironment:
     def of_calls(self) -> Iterator[Stimulus]:
         """What can be reported of calls whose reply no state waits for: a failure is an event."""
         for service, number in sorted((service, number) for number, service in self._chart.state.calls.items()):
-            yield from (each._replace(event="call_failed") for each in self._call(number, service))
+            yield from (each._replace(event="call_failed") for each in self._call(number, service, None))
 
-    def _call(self, number: int, owner: str) -> Iterator[Stimulus]:
-        for reply in REPLIES:
+    def _call(self, number: int, owner: str, machine: Machine | None) -> Iterator[Stimulus]:
+        for reply in replies_to(machine):
             do = self._result(reply, number, owner)
             yield Stimulus(f"the call of '{owner}': {reply}", "robot", do, number)
 
@@ -206,13 +206,13 @@ class InputEnvironment:
         running = [(owned(name, path), state) for name, path, state in self.inner()]
         return [(state.number, owner) for owner, state in running if isinstance(state, BehaviourActivity)]
 
-    def _called(self) -> Iterator[tuple[int, str]]:
+    def _called(self) -> Iterator[tuple[int, str, Machine]]:
         """The calls whose reply an activity of any kind waits for: what it awaits that is no goal and no question."""
         for name, path, state in self.inner():
             if not isinstance(state, GoalActivity | DecisionActivity | BehaviourActivity):
                 machine: Any = self._chart.program.machines[name]
                 machine = machine if path is None else machine.leaf_machines[path].machine
-                yield from ((number, owned(name, path)) for number in sorted(machine.awaits(state)))
+                yield from ((number, owned(name, path), machine) for number in sorted(machine.awaits(state)))
 
     # -- answers --------------------------------------------------------------------------------------------------
 

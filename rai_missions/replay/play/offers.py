@@ -15,7 +15,7 @@ from rai_missions.engine import Chart
 from rai_missions.engine.activities.action import GOAL_ENDS
 from rai_missions.engine.activities.activity import Machine
 from rai_missions.engine.activities.behaviour import BehaviourActivity
-from rai_missions.engine.activities.call import REPLIES
+from rai_missions.engine.activities.call import replies_to
 from rai_missions.engine.activities.decision import DecisionActivity
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree import TreeActivity, TreeMachine
@@ -213,7 +213,7 @@ class OpenChoices:
 
     def _call(self, number: int, service: str, pending: RunningActivity | None) -> Iterator[PlayChoice]:
         owner = pending.owner if pending is not None else ""
-        for reply in REPLIES:
+        for reply in replies_to(pending.machine if pending is not None else None):
             event, words = Event(reply, 0.0, {}, "result", number), f"{service} (call {number}): {reply}"
             fields = self._results(reply, pending)
             yield _of(event, "call", words, owner, name=f"call {number} {reply}", fields=fields)

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.action import GOAL_ENDS
-from rai_missions.engine.activities.call import REPLIES
+from rai_missions.engine.activities.call import REPLIES, replies_to
 from rai_missions.engine.state import TABLE
 from rai_missions.errors import DefinitionError, UsageError
 from rai_missions.event import KINDS, Event, Tick
@@ -24,7 +24,7 @@ from rai_missions.mission.files import load
 from rai_missions.mission.mission import Mission
 from rai_missions.replay.play import Play, PlayChoice
 from rai_missions.replay.play.choice import Passage
-from rai_missions.replay.play.offers import settled
+from rai_missions.replay.play.offers import inside, settled
 from rai_missions.runtime.arguments import accepted
 from rai_missions.states.control import HOLDERS
 from tests.engine.test_goals import mission as stacking
@@ -138,7 +138,8 @@ def makes_sense(event: Event, chart: Chart) -> bool:
         return goal is not None and goal.phase in ("sent", "withdrawn")
     if event.kind == "result":
         is_awaited = goal is not None or (question is None and event.number in chart.awaited)  # a pause keeps any
-        return is_awaited and event.name in (GOAL_ENDS if goal is not None else REPLIES)
+        machines = {number: each.machine for each in inside(chart) for number in each.machine.awaits(each.state)}
+        return is_awaited and event.name in (GOAL_ENDS if goal is not None else replies_to(machines.get(event.number)))
     if event.kind == "proposal":
         offered = {offer.name for offer in question.options} | {"?"} if question is not None else set()
         return event.data.get("option", "?") in offered
