@@ -335,7 +335,7 @@ def test_failures_that_wait_for_a_hand_back_are_states_of_their_own() -> None:
     calls: Json = {"control": "autonomy", "entry": [{"call": "reset"}], "transitions": [
         {"on": "call_failed", "when": {"key": "event.why", "==": "broken"}, "to": "odd"}, {"after_s": 60, "to": "over"},
     ]}  # fmt: skip
-    assert {"broken", "timed_out"} < kept_in(asking_mission(calls=calls), "why")
+    assert {"broken", "unavailable"} < kept_in(asking_mission(calls=calls), "why")
 
 
 def test_an_answer_that_has_to_wait_only_since_it_was_given_waits_with_all_that_it_brings() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from rai_missions.engine.activities.call import replies_to
 from rai_missions.engine.compiled.program import Program
 from rai_missions.engine.decision import VerdictNote, stale_verdict
 from rai_missions.engine.semantics.actions import failed_call
@@ -48,7 +49,8 @@ def receive_report(program: Program, state: RunState, event: Event) -> None:
     if number in state.calls and event.kind == "result":
         service = state.calls.pop(number)
         if event.name != "succeeded":
-            react(program, state, failed_call(state, service, str(event.data.get("why", event.name))))
+            word = event.name if event.name in replies_to(None) else "failed"
+            react(program, state, failed_call(state, service, str(event.data.get("why", word))))
         return
     if state.outcome is not None or not receive_answer(program, state, event):
         if not is_known:

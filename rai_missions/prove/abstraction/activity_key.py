@@ -14,7 +14,7 @@ from rai_missions.guards.view import View
 from rai_missions.prove.abstraction.nondeterminism import AnyOf, OpenFields
 from rai_missions.prove.abstraction.open_world import NOW
 
-__all__ = ("SOON", "key_of", "plain", "rested", "timer_key")
+__all__ = ("SOON", "key_of", "plain", "rested", "timer_key", "waits_for_time")
 
 SOON = NOW + 1.0
 """When whatever runs would be due, if time continued."""
@@ -62,6 +62,16 @@ def _asked_again(state: DecisionActivity, machine: Any) -> DecisionActivity:
         return state._replace(question=question._replace(until=until, refused=(), at=NOW))
     question = question._replace(until=until, refused=(), at=NOW, attempt=1, asked=machine.asked.ask[0])
     return state._replace(question=question, turn=0, deadline=SOON + 1.0)
+
+
+def waits_for_time(state: Any) -> bool:
+    """Whether time alone may bring a machine's state further."""
+    if isinstance(state, TreeActivity):
+        leaves = state.leaves.values()
+        return state.wake != math.inf or any(each.deadline != math.inf or waits_for_time(each.state) for each in leaves)
+    if isinstance(state, DecisionActivity):
+        return min(state.deadline, state.question.until) != math.inf
+    return isinstance(state, GoalActivity) and state.until != math.inf
 
 
 def key_of(state: Any) -> Any:

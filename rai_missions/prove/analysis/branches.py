@@ -28,13 +28,17 @@ def _until(nodes: Mapping[str, Mapping[str, Any]], group: Collection[str]) -> fl
     return min(float(nodes[path]["until"]) for path in group)
 
 
-def firsts(state: TreeActivity, groups: Groups) -> Iterator[frozenset[str]]:
-    """The groups of which something can be over before all else: not if one before it is over by then."""
+def firsts(state: TreeActivity, groups: Groups) -> Iterator[tuple[frozenset[str], bool]]:
+    """The groups of which something can be over before all else: not if one before it is over by then.
+
+    Returns:
+        Each group, and whether it can be over alone; if not, it can be at the same instant as one before it.
+    """
     nodes, soonest = state.tree.nodes, float("inf")
     for group in groups:
         until = _until(nodes, group)
-        if until < soonest:
-            yield group
+        if until <= soonest:
+            yield group, until < soonest
             soonest = until
 
 
@@ -47,20 +51,20 @@ def passed(state: TreeActivity, group: Collection[str], now: float) -> TreeActiv
     return state._replace(tree=state.tree._replace(nodes=nodes), wake=now)
 
 
-def parted(state: TreeActivity, groups: Groups, begun: Collection[str], over: Collection[str] | None) -> Groups:
+def parted(state: TreeActivity, groups: Groups, begun: Collection[str], over: Collection[frozenset[str]]) -> Groups:
     """The groups after a step; none where one is left.
 
     Args:
         state: The tree's state.
         groups: The groups before it; none for one.
         begun: The paths of what has begun in it.
-        over: The group of which something was over; empty for the only one, None where it was another's step.
+        over: The groups of which something was over; an empty one is the only one.
     """
     waiting = {path for path, memory in state.tree.nodes.items() if "until" in memory}
     old, new = frozenset(waiting.difference(begun)), frozenset(waiting.intersection(begun))
-    found = [each & old for each in groups or (old,)]
-    if over is not None:
-        at = groups.index(frozenset(over)) if over else 0
-        new |= found.pop(at)
-    found = [each for each in (*found, new) if each]
+    before = groups or (old,)
+    ended = {groups.index(each) if each else 0 for each in over}
+    together = new.union(*(before[at] & old for at in ended))
+    found = [*(each & old for at, each in enumerate(before) if at not in ended), together]
+    found = [each for each in found if each]
     return tuple(found) if len(found) > 1 else ()

@@ -152,7 +152,7 @@ class Environment:
             yield from self._meanwhile()
         elif mode in ("running", "canceling"):
             yield from self.time.times()
-            yield from self.time.machine_times()
+            yield from self.time.turn_times()
             yield from self.inputs.answers()
             yield from self.inputs.reports()
             yield from self.inputs.events()

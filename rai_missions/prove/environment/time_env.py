@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Time, as far as a proof knows it: whatever waits for it gets it, in any order.
 
-Rule: what is known may go stale at the instant at which something else runs out.
+Rule: what a run finds together at one instant comes together here. What is known may go stale, spans may end, and
+activities and finals may have waited for long enough, at the instant at which something else runs out.
 """
 
 from __future__ import annotations
@@ -41,6 +42,20 @@ class Span(NamedTuple):
     """The state, or where the guard's time is remembered."""
 
 
+class DueTurn(NamedTuple):
+    """The turn of an activity, or of a final that settles, once what it waits for is over."""
+
+    words: str
+    owner: str
+    """The state."""
+    change: Callable[[], None]
+    """Time passes until it is over."""
+    group: frozenset[str] | None = None
+    """Of a tree, the group of which a wait is over; empty for its only one, None for what is no wait of a tree."""
+    is_first: bool = True
+    """It can be over before all else; if not, at the instant of another group of its tree alone."""
+
+
 class TimeEnvironment:
     """Time that passes for whatever waits for it.
 
@@ -64,8 +79,8 @@ class TimeEnvironment:
     ) -> None:
         self._chart, self._world, self._codec, self._inputs = chart, world, codec, inputs
         self._rest, self._instruments = rest, instruments
-        self._over = ("", frozenset[str]())
-        """The state of the tree, and the group of its waits, of which something is over in this step."""
+        self._over: list[DueTurn] = []
+        """What activities and finals have waited for, and is over in this step."""
         self._spans = self._durations()
 
     @property
@@ -102,7 +117,8 @@ class TimeEnvironment:
         begun = {
             name for move in self._state.draft.moves for name in (*move.exited, *move.entered)
         } | self._instruments.turned
-        return frozenset(each.words for each in waiting if each.words != taken and self._waits_on(each, begun))
+        over = {taken, *(each.words for each in self._over)}
+        return frozenset(each.words for each in waiting if each.words not in over and self._waits_on(each, begun))
 
     def _waits_on(self, each: Stimulus, begun: Collection[str]) -> bool:
         if each.timer is None:
@@ -119,20 +135,28 @@ class TimeEnvironment:
         pass_instant(self._chart.program, self._state)
 
     def elapse(
-        self, change: Callable[[], None], *woken: str, beyond: str = "", after: Span | None = None
+        self,
+        change: Callable[[], None],
+        *woken: str,
+        beyond: str = "",
+        after: Span | None = None,
+        waits: Iterable[DueTurn] = (),
     ) -> Callable[[], None]:
         """Time passes until something has run out; at the same instant spans may end, and what is known go stale.
 
         Why each of these orders is enough. A run handles an instant as a whole: timers find the ages, held guards and
-        stale keys of that instant, and rules that wait for several of these find them together. What comes at once is
-        tried in one order: timers and the like with all others, a span with the later ones and with keys, a key with
-        the later ones. Two timers are taken one after the other in a run as well.
+        stale keys of that instant, and rules that wait for several of these find them together. Activities have their
+        turn after all timers, one after the other before any of their outcomes is answered; one that a timer wakes by
+        what it does finds that its own time is over, too. What comes at once is tried in one order: timers and the
+        like with all others, activities and finals with the later ones, with spans and with keys, a span with the
+        later ones and with keys, a key with the later ones. Two timers are taken one after the other in a run as well.
 
         Args:
             change: What has run out.
             woken: The states whose machines learn that time has passed.
             beyond: Only keys that come after this: that one before it goes stale too happens when that one does.
             after: The span that has ended: only those that come after it; none where a key has gone stale.
+            waits: What activities and finals wait for, and may be over too.
         """
 
         def happen() -> None:
@@ -142,7 +166,10 @@ class TimeEnvironment:
                 if self._world.choices.choose(2):
                     self._end_span(span)
             change()
-            self.time_passes(*woken)
+            for each in waits:
+                if (each.is_first or self._is_over(each)) and self._world.choices.choose(2):
+                    self._be_over(each)
+            self.time_passes(*woken, *(each.owner for each in self._over))
             gone = [key for key in before if board.known(key) is None]
             for key in before.keys() & board.among.keys():
                 board.leave(key, before[key])
@@ -193,6 +220,7 @@ class TimeEnvironment:
     def times(self) -> Iterator[Stimulus]:
         """Each thing that waits for time gets it, in any order; spans alone come before what may end with them."""
         yield from self._ages()
+        waits = [*self._waits()]
         for key, timer in sorted(self._state.timers.items(), key=lambda each: timer_key(*each)):
             if self._comes_later(key) or timer.control in self._state.frozen:
                 continue
@@ -200,17 +228,13 @@ class TimeEnvironment:
             kinds = {"after": f"the time of transition {which} has come", "timeout": f"the time of '{which}' is over"}
             words = kinds.get(kind, f"'{timer.name}' is due")
             raised = timer.name if kind == "raise" else ""
-            yield Stimulus(words, "time", self.elapse(self._ring(key)), timer=(key, timer.order), event=raised)
+            others = [each for each in waits if (kind, each.owner) != ("timeout", which)]
+            do = self.elapse(self._ring(key), waits=others)
+            yield Stimulus(words, "time", do, timer=(key, timer.order), event=raised)
         for name, until in sorted(self._state.pending.items()):
             if until != math.inf:
-                yield Stimulus(
-                    f"no handover for '{name}' in time",
-                    "time",
-                    self._dated("pending", name, NOW),
-                    owner=name,
-                )
-        for name in self._settling_now():
-            yield Stimulus(f"'{name}' has not settled", "time", self._dated("settling", name, NOW), owner=name)
+                do = self.elapse(self._dated("pending", name), waits=waits)
+                yield Stimulus(f"no handover for '{name}' in time", "time", do, owner=name)
         if self._state.final is not None and not self._state.settling:
             yield Stimulus("time passes at the end", "time", self.elapse(lambda: None))
         if self._state.cancel_by != math.inf:
@@ -230,7 +254,7 @@ class TimeEnvironment:
         for goal in self._rest.remaining:
             if goal.phase != "orphaned":
                 words = f"'{goal.action}' never confirms its end"
-                orphan = self.elapse(self._orphan(goal.number))
+                orphan = self.elapse(self._orphan(goal.number), waits=[*self._waits()])
                 yield Stimulus(words, "time", orphan, timer=(("goal", ""), goal.number), is_of_goal=True)
 
     def _ages(self) -> Iterator[Stimulus]:
@@ -245,57 +269,70 @@ class TimeEnvironment:
                 held = self.elapse(partial(self._end_span, span), after=span)
                 yield Stimulus(words, "time", held, owner=self._chart.program.graph.held_owners[name].name)
 
-    def machine_times(self) -> Iterator[Stimulus]:
+    def turn_times(self) -> Iterator[Stimulus]:
+        """Each thing that an activity or a final waits for is over, alone or with later ones."""
+        waits = [*self._waits()]
+        for at, each in enumerate(waits):
+            if each.is_first:
+                do = self.elapse(partial(self._be_over, each), waits=waits[at + 1 :])
+                yield Stimulus(each.words, "time", do, owner=each.owner)
+
+    def _be_over(self, wait: DueTurn) -> None:
+        wait.change()
+        self._over.append(wait)
+
+    def _is_over(self, wait: DueTurn) -> bool:
+        """Whether another group of the same tree is over in this step."""
+        return any(each.owner == wait.owner and each.group for each in self._over)
+
+    def _waits(self) -> Iterator[DueTurn]:
+        """All that activities and finals wait for, in one order."""
         for name, path, state in list(self._inputs.inner()):
             owner, tree = owned(name, path), self._state.running[name]
             if path is not None and tree.leaves[path].deadline != math.inf:
-                over = self.elapse(self._leaf_over(name, path), name)
-                yield Stimulus(f"the time of '{owner}' is over", "time", over, owner=name)
+                yield DueTurn(f"the time of '{owner}' is over", name, self._leaf_over(name, path))
             wake = self._machine_of(name, path).wake_at(state, self._state)
             words = f"time passes for '{owner}'"
             if isinstance(state, DecisionActivity) and state.deadline != math.inf:
                 wake, words = state.deadline, f"the deadline of '{owner}' has come"
             if NOW < wake < math.inf:
-                yield Stimulus(words, "time", self.elapse(self._let_pass(name, path, wake), name), owner=name)
+                yield DueTurn(words, name, self._let_pass(name, path, wake))
         for name, state in self._inputs.running(held=True):
             if limit_of(state) == "rounds":
-                yield Stimulus(f"the rounds of '{name}' continue", "time", self._continue(name), owner=name)
+                yield DueTurn(f"the rounds of '{name}' continue", name, lambda: None)
             if isinstance(state, TreeActivity) and NOW < state.wake < math.inf:
-                yield from self._tree_times(name, state)
+                yield from self._tree_waits(name, state)
+        for name in self._settling_now():
+            yield DueTurn(f"'{name}' has not settled", name, self._dated("settling", name))
 
-    def _tree_times(self, name: str, state: TreeActivity) -> Iterator[Stimulus]:
-        """What the tree waits for by itself is over; of branches that began at several instants, that of any."""
+    def _tree_waits(self, name: str, state: TreeActivity) -> Iterator[DueTurn]:
+        """What the tree waits for by itself; of branches that began at several instants, that of any."""
         groups = self._codec.groups.get(name, ())
         if not groups or all(memory.get("until") != state.wake for memory in state.tree.nodes.values()):
-            yield Stimulus(f"time passes for '{name}'", "time", self.elapse(self._grow(name), name), owner=name)
-        for group in firsts(state, groups):
+            yield DueTurn(f"time passes for '{name}'", name, self._grow(name), frozenset())
+        for group, is_first in firsts(state, groups):
             words = f"time passes for '{name}' ({min(group)})"
-            yield Stimulus(words, "time", self.elapse(self._pass_for(name, group), name), owner=name)
+            yield DueTurn(words, name, self._pass_for(name, group), group, is_first)
 
     def _pass_for(self, name: str, group: frozenset[str]) -> Callable[[], None]:
         def change() -> None:
-            self._over = (name, group)
             self._state.running[name] = passed(self._state.running[name], group, NOW)
 
         return change
 
     def begin_step(self) -> None:
         """Nothing is over yet."""
-        self._over = ("", frozenset())
+        self._over = []
 
     def part_groups(self) -> None:
         """Bring the groups of what waits in trees up to date, once a step has come to rest."""
-        (over, group), codec, begun = self._over, self._codec, self._instruments.begun
-        running = self._state.running
+        codec, begun, running = self._codec, self._instruments.begun, self._state.running
         for name, activity in running.items():
             if isinstance(activity, TreeActivity):
-                its_own = group if name == over else None
-                codec.groups[name] = parted(activity, codec.groups.get(name, ()), begun.get(name, ()), its_own)
+                over = [each.group for each in self._over if each.owner == name and each.group is not None]
+                codec.groups[name] = parted(activity, codec.groups.get(name, ()), begun.get(name, ()), over)
         if codec.groups:
             codec.groups = {name: each for name, each in codec.groups.items() if each and name in running}
-
-    def _continue(self, name: str) -> Callable[[], None]:
-        return lambda: self.time_passes(name)
 
     def _machine_of(self, name: str, path: str | None) -> Any:
         machine: Any = self._chart.program.machines[name]
@@ -307,9 +344,9 @@ class TimeEnvironment:
 
         return change
 
-    def _dated(self, field: str, name: str, at: float) -> Callable[[], None]:
-        """Time passes until what waits there, or has been so since then, has another instant."""
-        return self.elapse(lambda: getattr(self._state, field).update({name: at}))
+    def _dated(self, field: str, name: str) -> Callable[[], None]:
+        """A change: time passes until the instant of what waits there."""
+        return lambda: getattr(self._state, field).update({name: NOW})
 
     def _too_long(self) -> None:
         self._chart.state.cancel_by = NOW
@@ -349,7 +386,6 @@ class TimeEnvironment:
         def change() -> None:
             state, machine = self._state.running[name], self._chart.program.machines[name]
             assert isinstance(machine, TreeMachine)
-            self._over = (name, frozenset())
             tree = machine.ticker.shift(state.tree, NOW - state.wake)
             self._state.running[name] = state._replace(tree=tree, wake=NOW)
 

@@ -19,6 +19,7 @@ from rai_missions.engine.compiled.states import CompiledState
 from rai_missions.engine.semantics.handover import is_kept
 from rai_missions.engine.state import TABLE, FieldKind, RunState, copied
 from rai_missions.prove.abstraction.abstraction import Abstraction
+from rai_missions.prove.abstraction.activity_key import waits_for_time
 from rai_missions.prove.abstraction.open_world import OpenWorld
 from rai_missions.prove.abstraction.state_key import Ahead, Place, SavedState, StateCodec
 from rai_missions.prove.abstraction.store import Store, fingerprint
@@ -189,7 +190,7 @@ class RegionParts:
         nodes: Iterable[CompiledState],
         fields: Mapping[str, Mapping[Any, Any]],
     ) -> Iterable[str]:
-        """What wakes something in a part: keys, states, and time where something known in it may go stale."""
+        """What wakes something in a part: keys, states, and time where it may change what is known or runs in it."""
         yield from parallel.outside[group]
         for node in nodes:
             for transition in node.transitions:
@@ -209,7 +210,8 @@ class RegionParts:
         can_fade = any(
             key in self._world.passing and entry is not None for key, entry in fields.get("board", {}).items()
         )
-        if can_fade or fields.get("entered") or fields.get("true_since"):
+        spans = any(fields.get(field) for field in ("entered", "true_since", "settling"))
+        if can_fade or spans or any(map(waits_for_time, fields.get("running", {}).values())):
             yield TIME
 
     def _keys_of(self, name: str) -> Iterable[str]:
