@@ -170,13 +170,13 @@ class ChartView:
     def waiting(self) -> Mapping[str, str]:
         """State → who must have control before what it does can begin, or begin again."""
         nodes, state = self._program.graph.nodes, self._state
-        each = {name: nodes[name].control for name in (*state.pending, *state.laid_by)}
+        each = {name: nodes[name].control for name in (*state.awaiting_control, *state.held_starts)}
         return {name: holder for name, holder in each.items() if holder is not None}
 
     @property
     def wanted(self) -> frozenset[str]:
         """Who must have control for what waits to begin."""
-        wanted = (self._program.graph.nodes[name].control for name in tuple(self._state.pending))
+        wanted = (self._program.graph.nodes[name].control for name in tuple(self._state.awaiting_control))
         return frozenset(holder for holder in wanted if holder is not None)
 
     @property

@@ -148,41 +148,45 @@ class Timer(NamedTuple):
 class StepDraft:
     """What one step gathers; the next begins with an empty one."""
 
+    # -- what its value has
     moves: list[Move] = field(default_factory=list)
     looked: list[tuple[str, Truth]] = field(default_factory=list)
     written: list[tuple[str, Any]] = field(default_factory=list)
     effects: list[Any] = field(default_factory=list)
     notes: list[str | VerdictNote] = field(default_factory=list)
-    watched_by_activities: AbstractSet[str] | None = None
-    """What the activities ask for, or more; None once one of them has had its turn."""
-    polled: int = 0
-    """How many of the keys that were written the activities have looked at."""
-    presence_changes: set[str] = field(default_factory=set)
-    """The states that have become active or inactive since the activities looked, by their `presence`."""
-    news: dict[str, str] = field(default_factory=dict)
-    """Key that was given another value since the activities last looked → the state whose activity wrote it last, and
-    has looked at it since; empty for a transition, or the robot."""
-    tree_rounds: dict[str, Rounds] = field(default_factory=dict)
-    """State → what its tree has done since the event, or the instant, in hand."""
-    internal: deque[Trigger] = field(default_factory=deque)
-    starting: list[CompiledState] = field(default_factory=list)
-    given_up: set[str | None] = field(default_factory=set)
-    """Who was to be given control for something that was left before it came."""
     refusal: Refusal = ""
     refused: str = ""
     """The refusal in words."""
     is_kept: bool = False
     """Something waits since this step."""
-    ended: bool = False
-    """The mission has ended in this step."""
-    touched: bool = False
-    """Something that the run remembers has changed, other than the blackboard."""
+    # -- what the activities have yet to look at
+    polled: int = 0
+    """How many of the keys that were written they have looked at."""
+    presence_changes: set[str] = field(default_factory=set)
+    """The states that have become active or inactive since, by their `presence`."""
+    news: dict[str, str] = field(default_factory=dict)
+    """Key that was given another value since → the state whose activity wrote it last, and has looked at it since;
+    empty for a transition, or the robot."""
+    goal_ended: bool = False
+    """A goal has ended or was given up since."""
     due: frozenset[str] = frozenset()
     """The states whose activities asked to be woken at this instant."""
     unseen: frozenset[str] = frozenset()
     """The states in `due` that may have missed a change: while they were paused, or held, or not here."""
-    goal_ended: bool = False
-    """A goal has ended or was given up since the activities looked."""
+    watched_by_activities: AbstractSet[str] | None = None
+    """What the activities watch, or more; None once one of them has had its turn."""
+    # -- what has yet to happen
+    internal: deque[Trigger] = field(default_factory=deque)
+    starting: list[CompiledState] = field(default_factory=list)
+    given_up: set[str | None] = field(default_factory=set)
+    """Who was to be given control for something that was left before it came."""
+    # -- how far it has come
+    touched: bool = False
+    """Something that the run remembers has changed, other than the blackboard."""
+    ended: bool = False
+    """The mission has ended in this step."""
+    tree_rounds: dict[str, Rounds] = field(default_factory=dict)
+    """State → what its tree has done since the event, or the instant, in hand."""
     macrosteps: int = 0
     """How many times transitions were taken until none was enabled."""
     microsteps: int = 0
@@ -240,16 +244,16 @@ class RunState:
     """For whom the mission has asked for control that has not come yet."""
     frozen: dict[str, float] = slot(dict, "controls", "_frozen")
     held_since: float = slot(0.0, "past", "_held_since")
-    laid_by: tuple[str, ...] = slot((), "states", "_laid_by")
+    held_starts: tuple[str, ...] = slot((), "states", "_laid_by")
     """States whose activity starts when the operator has given control back."""
-    kept: tuple[Event, ...] = slot((), "events", "_kept")
+    held_events: tuple[Event, ...] = slot((), "events", "_kept")
     """What came meanwhile for held states, in order."""
     # -- what is active, and what runs
     config: Configuration = slot(None, "configuration", "atomic")
     final: CompiledState | None = slot(None, "state")
     """The top-level final that was reached and does not count yet."""
     running: dict[str, Any] = slot(dict, "activities", "_running")
-    pending: dict[str, float] = slot(dict, "deadlines", "_pending")
+    awaiting_control: dict[str, float] = slot(dict, "deadlines", "_pending")
     """State → until when it waits for control; infinity where it was lost."""
     settling: dict[str, float] = slot(dict, "settling", "_settling")
     unmet: dict[str, float] = slot(dict, "settling", "_unmet")
@@ -270,10 +274,12 @@ class RunState:
     held_back: bool = slot(False, "value", "_held_back")
     """A pause was ordered before the start and has not been taken back: it does not begin by itself."""
     paused_at: float = slot(0.0, "past", "_paused_at")
-    queue: tuple[Event, ...] = slot((), "events", "_queue")
-    suspended: tuple[str, ...] = slot((), "states", "_suspended")
+    paused_events: tuple[Event, ...] = slot((), "events", "_queue")
+    """What came meanwhile, in order."""
+    paused_starts: tuple[str, ...] = slot((), "states", "_suspended")
+    """States whose activity starts again when the run is resumed."""
     cancel_by: float = slot(math.inf, "deadline", "_cancel_by")
-    unbegun: tuple[tuple[str, bool], ...] = slot((), "begins", "_unbegun")
+    migrated_starts: tuple[tuple[str, bool], ...] = slot((), "begins", "_unbegun")
     """States that a migration has brought, and whether they are new: they begin when the run is resumed."""
     # -- what follows from the rest
     wake: float = slot(math.inf, "passing", "_wake")

@@ -306,7 +306,7 @@ class Keeping(RecordingSpace):
 
     def _leave(self, number: int, run_key: bytes, place: Place) -> None:
         super()._leave(number, run_key, place)
-        self.kept += [event.data.get("data", event.data) for event in place.saved.run.kept]
+        self.kept += [event.data.get("data", event.data) for event in place.saved.run.held_events]
 
 
 def kept_in(mission: Mission, field: str) -> set[Any]:

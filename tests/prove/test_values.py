@@ -137,7 +137,7 @@ def test_in_a_pause_what_was_asked_for_control_is_like_what_was_interrupted() ->
         paused.load(paused.codec.place())
         paused.make(paused.begin)
         paused.settle()
-        assert bool(paused.chart.state.pending) is is_asked
+        assert bool(paused.chart.state.awaiting_control) is is_asked
         paused.make(paused.ordering("pause"))
         paused.settle()
         cores.add(paused.codec.run_key())

@@ -17,7 +17,7 @@ from rai_missions.engine.compiled.program import Program
 from rai_missions.engine.modes import refusal
 from rai_missions.engine.semantics.blackboard import known, note_news
 from rai_missions.engine.semantics.completion import end, kill
-from rai_missions.engine.semantics.handover import ask_back, lay_down
+from rai_missions.engine.semantics.handover import ask_back, interrupt
 from rai_missions.engine.semantics.hold import awake, held_controls, holder_of, is_held, run_at
 from rai_missions.engine.semantics.macrostep import check_stopped, complete, make_move
 from rai_missions.engine.semantics.reports import handle_late
@@ -69,7 +69,7 @@ def _cancel(program: Program, state: RunState, by: str) -> None:
     drop_reports(state, None)
     if state.mode == "paused":
         shift(program, state, state.at - state.paused_at)
-    state.suspended = state.laid_by = ()
+    state.paused_starts = state.held_starts = ()
     state.mode, state.why = "canceling", f"canceled by {by}"
     state.cancel_by = state.at + program.mission.cancel_s
     if program.mission.on_cancel is None or not state.config.atomic:
@@ -90,7 +90,7 @@ def _hold_back(state: RunState, *, is_back: bool) -> None:
 def _pause(program: Program, state: RunState) -> None:
     state.mode, state.paused_at = "paused", state.at
     nodes = program.graph.nodes
-    state.suspended = tuple(name for name in list(state.running) if lay_down(program, state, nodes[name]))
+    state.paused_starts = tuple(name for name in list(state.running) if interrupt(program, state, nodes[name]))
     state.draft.notes.append("paused")
 
 
@@ -99,10 +99,10 @@ def _stop(program: Program, state: RunState) -> None:
     if state.mode != "paused":
         _pause(program, state)
     nodes = program.graph.nodes
-    ended = [name for name in list(state.running) if lay_down(program, state, nodes[name], keeps=False)]
+    ended = [name for name in list(state.running) if interrupt(program, state, nodes[name], keeps=False)]
     held = [name for name in ended if is_held(state, nodes[name])]
-    state.suspended += tuple(name for name in ended if name not in held)
-    state.laid_by += tuple(held)
+    state.paused_starts += tuple(name for name in ended if name not in held)
+    state.held_starts += tuple(held)
     state.draft.notes.append("stopped")
 
 
@@ -111,16 +111,16 @@ def _resume(program: Program, state: RunState) -> None:
     shift(program, state, state.at - state.paused_at)
     state.mode, draft.goal_ended = "running", True
     draft.notes.append("resumed")
-    draft.starting += [nodes[name] for name in state.suspended]
-    for name in [name for name in state.pending if nodes[name].control == holder_of(program, state)]:
-        del state.pending[name]
+    draft.starting += [nodes[name] for name in state.paused_starts]
+    for name in [name for name in state.awaiting_control if nodes[name].control == holder_of(program, state)]:
+        del state.awaiting_control[name]
         draft.starting += [nodes[name]] if name not in state.running else []
-    queue, state.queue, state.suspended = state.queue, (), ()
+    events, state.paused_events, state.paused_starts = state.paused_events, (), ()
     draft.due |= frozenset(state.running)  # each may have read what has changed since
     draft.unseen |= draft.due
     ask_back(program, state)
     complete(program, state, None)
-    for event in queue:
+    for event in events:
         handle_late(program, state, event)
 
 
@@ -171,23 +171,23 @@ def _ask_again(program: Program, state: RunState) -> None:
             state.running[name] = machine.shift(activity, by_s)
     for name in state.settling:
         state.settling[name] += 0.0 if is_held(state, nodes[name]) else by_s
-    for name, until in state.pending.items():
+    for name, until in state.awaiting_control.items():
         node = nodes[name]
         if node.state is not None and until < math.inf and not is_held(state, node):
-            state.pending[name] = max(until, state.at + node.state.handover_s)
+            state.awaiting_control[name] = max(until, state.at + node.state.handover_s)
 
 
 def _begin_new(program: Program, state: RunState) -> None:
     """Begin what a migration has brought: `entry` where nothing was before, and what runs there."""
-    unbegun, state.unbegun, draft = state.unbegun, (), state.draft
-    for name, is_new in unbegun:
+    begins, state.migrated_starts, draft = state.migrated_starts, (), state.draft
+    for name, is_new in begins:
         node = program.graph.nodes[name]
         for act in node.entry if is_new else ():
             act(program, state)
         if (node.activity or node.control) and node in state.config.atomic:
             draft.starting.append(node)
     if state.mode == "paused":
-        state.suspended += tuple(node.name for node in draft.starting)
+        state.paused_starts += tuple(node.name for node in draft.starting)
         draft.starting = []
 
 
@@ -199,7 +199,7 @@ def _migrate(program: Program, state: RunState, data: Mapping[str, Any]) -> None
     state.timers = {key: timer._replace(control=control_of(program, key, timer)) for key, timer in state.timers.items()}
     clocked = {name for name, node in (*graph.nodes.items(), ("", graph.root)) if node.clocked}
     state.entered = {name: at for name, at in state.entered.items() if name in clocked}
-    state.unbegun = tuple(data["begins"])
+    state.migrated_starts = tuple(data["begins"])
     state.draft.effects += unpacked(data["under_way"])
     state.draft.notes += data["notes"]
     nodes = sorted(state.config.nodes, key=lambda node: node.index)

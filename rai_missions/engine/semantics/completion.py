@@ -296,9 +296,9 @@ def end(
             act(program, state)
     cancel_goals(state, state.goals)
     state.timers.clear()
-    state.pending.clear()
+    state.awaiting_control.clear()
     state.settling.clear()
     state.unmet.clear()
     state.draft.internal.clear()
-    state.draft.starting, state.laid_by, state.frozen, state.asked = [], (), {}, ""
+    state.draft.starting, state.held_starts, state.frozen, state.asked = [], (), {}, ""
     state.mode = "ended"

@@ -16,7 +16,7 @@ from rai_missions.engine.semantics.hold import is_awaited, is_for_held
 from rai_missions.engine.semantics.macrostep import check_stopped, complete, react
 from rai_missions.engine.semantics.reports import WATCHED, receive_answer, receive_report, watch_goal
 from rai_missions.engine.semantics.running import poll
-from rai_missions.engine.semantics.waiting import keep, wait_out_pause, waiting_answers
+from rai_missions.engine.semantics.waiting import hold_event, pause_event, waiting_answers
 from rai_missions.engine.state import RunState, Trigger, refuse
 from rai_missions.errors import suggestion
 from rai_missions.event import KINDS, Event, EventKind
@@ -75,7 +75,7 @@ def _receive_event(program: Program, state: RunState, event: Event) -> None:
         sentence = f"the mission declares no event '{event.name}'"
         refuse(state, "unknown", sentence + suggestion(event.name, program.declared))
     elif state.mode == "paused":
-        wait_out_pause(program, state, event)
+        pause_event(program, state, event)
     else:
         react(program, state, Trigger(event.name, event.data))
 
@@ -88,9 +88,9 @@ def _receive_answer(program: Program, state: RunState, event: Event) -> None:
     elif event.kind == "proposal" and state.mode == "paused" and not is_awaited(program, state, number):
         refuse(state, "stale", f"stale: question {number} is no longer asked")
     elif state.mode == "paused":
-        wait_out_pause(program, state, event)
+        pause_event(program, state, event)
     elif is_held:
-        keep(program, state, event)
+        hold_event(program, state, event)
     elif not receive_answer(program, state, event) and event.kind == "proposal":
         refuse(state, "stale", f"stale: question {event.number} is no longer asked")
 

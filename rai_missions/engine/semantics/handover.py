@@ -19,7 +19,7 @@ from rai_missions.errors import suggestion
 from rai_missions.event import Event, is_taken
 from rai_missions.states.control import HOLDERS
 
-__all__ = ("ask_back", "is_kept", "lay_down", "receive_control", "settle_holds")
+__all__ = ("ask_back", "interrupt", "is_kept", "receive_control", "settle_holds")
 
 
 def receive_control(program: Program, state: RunState, event: Event) -> None:
@@ -44,7 +44,7 @@ def _change_hands(program: Program, state: RunState) -> None:
     freed = was - held
     for name in [name for name in state.running if _is_lost(state, nodes[name], held | freed)]:
         leave_activity(program, state, nodes[name])
-        state.pending[name] = math.inf
+        state.awaiting_control[name] = math.inf
         state.draft.notes.append(f"{name} waits until control is with {nodes[name].control} again")
     if freed:
         _thaw(program, state, freed)
@@ -52,12 +52,12 @@ def _change_hands(program: Program, state: RunState) -> None:
         _freeze(program, state, held - was)
     if state.mode == "paused":
         return
-    for name in sorted(state.pending, key=lambda each: nodes[each].index):
+    for name in sorted(state.awaiting_control, key=lambda each: nodes[each].index):
         if nodes[name].control == state.holder:
             _get_control(program, state, name)
     complete(program, state, None)
     if freed:
-        kept, state.kept = state.kept, ()
+        kept, state.held_events = state.held_events, ()
         for event in kept:
             handle_late(program, state, event)
 
@@ -69,7 +69,7 @@ def _is_lost(state: RunState, node: CompiledState, waiting: Container[str]) -> b
 
 def _get_control(program: Program, state: RunState, name: str) -> None:
     """What waits for control has it."""
-    if state.pending.pop(name, None) is not None and name not in state.running:
+    if state.awaiting_control.pop(name, None) is not None and name not in state.running:
         begin(program, state, program.graph.nodes[name])
 
 
@@ -85,16 +85,16 @@ def _freeze(program: Program, state: RunState, controls: frozenset[str]) -> None
         draft.effects = [each for each in draft.effects if each not in unasked]
         state.asked = ""
     state.frozen = {**state.frozen, **dict.fromkeys(controls, run_at(state))}
-    laid = {name for name in state.pending if nodes[name].control in controls}
-    laid |= {node.name for node in state.config.atomic if node.control in controls and not node.activity}
+    waiting = {name for name in state.awaiting_control if nodes[name].control in controls}
+    waiting |= {node.name for node in state.config.atomic if node.control in controls and not node.activity}
     for name in list(state.running):
-        if nodes[name].control in controls and lay_down(program, state, nodes[name]):
-            laid.add(name)
-    for name in laid:
-        state.pending.pop(name, None)
-    laid -= set(state.suspended)
-    state.draft.notes += [f"{name} waits until control is given back" for name in sorted(laid)]
-    state.laid_by = tuple(sorted({*state.laid_by, *laid}, key=lambda name: nodes[name].index))
+        if nodes[name].control in controls and interrupt(program, state, nodes[name]):
+            waiting.add(name)
+    for name in waiting:
+        state.awaiting_control.pop(name, None)
+    waiting -= set(state.paused_starts)
+    state.draft.notes += [f"{name} waits until control is given back" for name in sorted(waiting)]
+    state.held_starts = tuple(sorted({*state.held_starts, *waiting}, key=lambda name: nodes[name].index))
 
 
 def is_kept(program: Program, node: CompiledState) -> bool:
@@ -102,7 +102,7 @@ def is_kept(program: Program, node: CompiledState) -> bool:
     return getattr(node.state, "action", None) in program.robot_facts.keep
 
 
-def lay_down(program: Program, state: RunState, node: CompiledState, *, keeps: bool = True) -> bool:
+def interrupt(program: Program, state: RunState, node: CompiledState, *, keeps: bool = True) -> bool:
     """End what may move the robot, and is to start again later.
 
     Args:
@@ -122,11 +122,11 @@ def _thaw(program: Program, state: RunState, controls: frozenset[str]) -> None:
     nodes = program.graph.nodes
     give_time_back(program, state, controls)
     state.frozen = {control: since for control, since in state.frozen.items() if control not in controls}
-    free = tuple(name for name in state.laid_by if nodes[name].control in controls)
-    state.laid_by = tuple(name for name in state.laid_by if name not in free)
+    free = tuple(name for name in state.held_starts if nodes[name].control in controls)
+    state.held_starts = tuple(name for name in state.held_starts if name not in free)
     if state.mode == "paused":
-        state.suspended += free
-        state.queue, state.kept = (*state.kept, *state.queue), ()
+        state.paused_starts += free
+        state.paused_events, state.held_events = (*state.held_events, *state.paused_events), ()
         return
     state.draft.starting += [nodes[name] for name in free]
     state.draft.due |= {name for name in state.running if nodes[name].control in controls}
@@ -142,6 +142,6 @@ def settle_holds(program: Program, state: RunState) -> None:
 
 def ask_back(program: Program, state: RunState) -> None:
     """Ask for the control that what continues to run had."""
-    for node in [program.graph.nodes[name] for name in state.running if name not in state.pending]:
+    for node in [program.graph.nodes[name] for name in state.running if name not in state.awaiting_control]:
         if node.control is not None and node.control != holder_of(program, state) and not is_held(state, node):
             request_control(state, node)

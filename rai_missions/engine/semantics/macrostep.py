@@ -28,7 +28,7 @@ from rai_missions.engine.semantics.completion import (
 from rai_missions.engine.semantics.hold import free, is_held
 from rai_missions.engine.semantics.running import begin_starting, leave_activity, outcome_of, poll
 from rai_missions.engine.semantics.timers import late_s, now_of, set_timer
-from rai_missions.engine.semantics.waiting import event_of, keep_trigger, wait_out_pause
+from rai_missions.engine.semantics.waiting import event_of, hold_trigger, pause_event
 from rai_missions.engine.state import RunState, StepDraft, Trigger
 from rai_missions.guards.view import Test, Truth
 from rai_missions.mission.mission import BUILT_IN_EVENTS
@@ -46,7 +46,7 @@ def react(program: Program, state: RunState, trigger: Trigger) -> None:
     if state.outcome is not None:
         return
     if state.mode == "paused":
-        wait_out_pause(program, state, event_of(state, trigger))
+        pause_event(program, state, event_of(state, trigger))
     elif state.mode in ACTING:
         complete(program, state, trigger)
 
@@ -131,7 +131,7 @@ def _answer(program: Program, state: RunState, trigger: Trigger) -> None:
     """Find the transitions that a trigger fires, and take them."""
     source, config = trigger.source, state.config
     if trigger.name == "round" and source is not None and source.is_each:
-        return keep_trigger(program, state, trigger) if is_held(state, source) else _next_round(program, state, source)
+        return hold_trigger(program, state, trigger) if is_held(state, source) else _next_round(program, state, source)
     state.event, option = trigger.data, False
     if trigger.transition is not None:
         plan: Plan = ((trigger.transition,),)
@@ -153,7 +153,7 @@ def _answer(program: Program, state: RunState, trigger: Trigger) -> None:
     if transitions:
         _take(program, state, transitions, trigger.name)
     elif state.frozen and open_plan != plan:
-        keep_trigger(program, state, trigger)
+        hold_trigger(program, state, trigger)
     elif source is not None:
         _unanswered(program, state, trigger, source)
     elif trigger.transition is None and (trigger.name in BUILT_IN_EVENTS or state.draft.moves):
@@ -184,7 +184,7 @@ def make_move(program: Program, state: RunState, move: CompiledMove) -> None:
         _remember(state, move)
     for node in move.exited:
         _exit(program, state, node)
-    if state.draft.internal or state.draft.starting or state.kept:
+    if state.draft.internal or state.draft.starting or state.held_events:
         _outdate(state, move.exited)
     state.config = move.config
     state.draft.presence_changes |= move.shifts
@@ -231,7 +231,9 @@ def _outdate(state: RunState, exited: tuple[CompiledState, ...]) -> None:
     """What states that are left have reported, and no transition has answered, is late; they begin nothing more."""
     draft, left = state.draft, {node.name for node in exited}
     draft.starting = [node for node in draft.starting if node.name not in left]
-    state.kept = tuple(each for each in state.kept if each.kind != "outcome" or each.data["state"] not in left)
+    state.held_events = tuple(
+        each for each in state.held_events if each.kind != "outcome" or each.data["state"] not in left
+    )
     for _ in range(len(draft.internal)):
         trigger = draft.internal.popleft()
         source = trigger.source
@@ -244,12 +246,12 @@ def _outdate(state: RunState, exited: tuple[CompiledState, ...]) -> None:
 def _forget_waiting(state: RunState, node: CompiledState) -> None:
     """What a state that is left waited for makes no difference any more."""
     name = node.name
-    if state.pending.pop(name, math.inf) < math.inf:
+    if state.awaiting_control.pop(name, math.inf) < math.inf:
         state.draft.given_up.add(node.control)
     state.settling.pop(name, None)
     state.unmet.pop(name, None)
-    if state.laid_by:
-        state.laid_by = tuple(each for each in state.laid_by if each != name)
+    if state.held_starts:
+        state.held_starts = tuple(each for each in state.held_starts if each != name)
     if node.is_each and state.rounds.pop(name, None) is not None:
         state.draft.round_bounds[name] = math.inf
 

@@ -12,7 +12,7 @@ from rai_missions.engine.semantics.actions import failed_call
 from rai_missions.engine.semantics.hold import is_for_held
 from rai_missions.engine.semantics.macrostep import complete, react
 from rai_missions.engine.semantics.running import dispatch, poll
-from rai_missions.engine.semantics.waiting import keep, report, trigger_of, wait_out_pause
+from rai_missions.engine.semantics.waiting import hold_event, pause_event, report, trigger_of
 from rai_missions.engine.state import RunState, refuse
 from rai_missions.event import Event, EventKind
 
@@ -42,9 +42,9 @@ def receive_report(program: Program, state: RunState, event: Event) -> None:
     number, draft = event.number, state.draft
     is_known = number in state.goals
     if state.mode == "paused" and any(getattr(each, "number", 0) == number for each in state.running.values()):
-        return wait_out_pause(program, state, event)
+        return pause_event(program, state, event)
     if is_for_held(program, state, number):
-        return keep(program, state, event)
+        return hold_event(program, state, event)
     report(state, event)
     if number in state.calls and event.kind == "result":
         service = state.calls.pop(number)
@@ -83,7 +83,7 @@ def handle_late(program: Program, state: RunState, event: Event) -> None:
     if state.outcome is not None:
         return
     if event.number and is_for_held(program, state, event.number):
-        state.kept = (*state.kept, event)
+        state.held_events = (*state.held_events, event)
     elif event.kind in ("proposal", "behaviour"):
         if not receive_answer(program, state, event) and event.kind == "proposal":
             why = f"stale: question {event.number} is no longer asked"

@@ -93,7 +93,7 @@ def begin_starting(program: Program, state: RunState) -> None:
         if node not in state.config.atomic:  # left meanwhile, or an `each` in whose round another is active
             continue
         if state.frozen and is_held(state, node):
-            state.laid_by = (*state.laid_by, node.name)
+            state.held_starts = (*state.held_starts, node.name)
         elif node.control is not None and node.control != holder_of(program, state):
             request_control(state, node)
         else:
@@ -106,14 +106,14 @@ def request_control(state: RunState, node: CompiledState) -> None:
     state.asked, request = node.control, Handover(node.control)
     if request not in state.draft.effects:
         state.draft.effects.append(request)
-    state.pending[node.name] = begins_at(state) + node.state.handover_s
+    state.awaiting_control[node.name] = begins_at(state) + node.state.handover_s
 
 
 def take_back(program: Program, state: RunState) -> None:
     """Ask for control where it is: what asked for it elsewhere was left before it came, and nothing else waits."""
     given_up = state.draft.given_up
     if given_up and state.outcome is None and (holder := holder_of(program, state)) not in ("operator", "nobody"):
-        wanted = {program.graph.nodes[name].control for name in state.pending}
+        wanted = {program.graph.nodes[name].control for name in state.awaiting_control}
         if given_up - wanted - {holder}:
             state.asked = holder
             state.draft.effects.append(Handover(holder))
@@ -133,7 +133,7 @@ def leave_activity(program: Program, state: RunState, node: CompiledState) -> No
     activity = state.running.pop(node.name, None)
     machine = program.machines.get(node.name)
     if activity is not None and machine is not None:
-        if state.kept or state.queue:
+        if state.held_events or state.paused_events:
             drop_reports(state, machine.awaits(activity))
         turn = machine.leave(activity, Host(program, state))
         _emit(state, turn.effects)
@@ -154,7 +154,7 @@ def take_turn(program: Program, state: RunState, name: str, turn: Turn) -> None:
         state.running[name] = turn.state
         return
     state.running.pop(name, None)
-    state.pending.pop(name, None)
+    state.awaiting_control.pop(name, None)
     node = program.graph.nodes[name]
     state.timers.pop(("timeout", name), None)
     if turn.outcome.why and not node.options:

@@ -77,10 +77,10 @@ def pass_instant(program: Program, state: RunState) -> None:
 def _reject_late_handovers(program: Program, state: RunState) -> None:
     """States that were not given control in time report that they were rejected."""
     now = state.at
-    for name in [name for name, until in state.pending.items() if until <= now]:
-        if state.pending.get(name, math.inf) > now:
+    for name in [name for name, until in state.awaiting_control.items() if until <= now]:
+        if state.awaiting_control.get(name, math.inf) > now:
             continue  # the one before led out of it, or into it again
-        del state.pending[name]
+        del state.awaiting_control[name]
         node = program.graph.nodes[name]
         state.draft.given_up.add(node.control)
         leave_activity(program, state, node)
@@ -158,7 +158,7 @@ def next_instant(program: Program, state: RunState) -> float:
         return soonest
     if state.cancel_by < soonest:
         soonest = state.cancel_by
-    if state.timers or state.pending or state.settling:
+    if state.timers or state.awaiting_control or state.settling:
         soonest = min(soonest, _deadline(program, state))
     if state.config.instants:
         soonest = _soonest(state, state.config.instants, soonest)
@@ -185,7 +185,7 @@ def _deadline(program: Program, state: RunState) -> float:
     for timer in state.timers.values():
         if timer.due < soonest and not (frozen and timer.control in frozen):
             soonest = timer.due
-    for until in state.pending.values():
+    for until in state.awaiting_control.values():
         soonest = min(soonest, until)
     for name, until in state.settling.items():
         if until < soonest and (not frozen or state.final is not None or nodes[name].control not in frozen):

@@ -11,35 +11,42 @@ from rai_missions.engine.state import RunState, Trigger
 from rai_missions.event import Event
 
 __all__ = (
-    "drop_reports", "event_of", "keep", "keep_trigger", "report", "trigger_of", "wait_out_pause", "waiting_answers",
+    "drop_reports",
+    "event_of",
+    "hold_event",
+    "hold_trigger",
+    "pause_event",
+    "report",
+    "trigger_of",
+    "waiting_answers",
 )  # fmt: skip
 
 
-def keep(program: Program, state: RunState, event: Event) -> None:
+def hold_event(program: Program, state: RunState, event: Event) -> None:
     """Have an event wait for the hand-back."""
-    if not program.surroundings.waits(state, event, state.kept):
+    if not program.surroundings.waits(state, event, state.held_events):
         return
-    state.kept = (*state.kept, event)
+    state.held_events = (*state.held_events, event)
     state.draft.touched = state.draft.is_kept = True
     what = f"the outcome '{event.name}' of '{event.data['state']}'" if event.kind == "outcome" else f"'{event.name}'"
     state.draft.notes.append(f"{what} waits until the operator gives control back")
 
 
-def keep_trigger(program: Program, state: RunState, trigger: Trigger) -> None:
+def hold_trigger(program: Program, state: RunState, trigger: Trigger) -> None:
     """Have a trigger wait for the hand-back: only transitions of held states name it."""
-    keep(program, state, event_of(state, trigger))
+    hold_event(program, state, event_of(state, trigger))
 
 
-def wait_out_pause(program: Program, state: RunState, event: Event) -> None:
+def pause_event(program: Program, state: RunState, event: Event) -> None:
     """Have an event wait until the run is resumed."""
-    if program.surroundings.waits(state, event, state.queue):
-        state.queue = (*state.queue, event)
+    if program.surroundings.waits(state, event, state.paused_events):
+        state.paused_events = (*state.paused_events, event)
         state.draft.touched = state.draft.is_kept = True
 
 
 def waiting_answers(state: RunState) -> tuple[Event, ...]:
     """The answers that wait for the end of a pause, or for the hand-back: of each question one at most."""
-    return tuple(each for each in (*state.queue, *state.kept) if each.kind == "proposal")
+    return tuple(each for each in (*state.paused_events, *state.held_events) if each.kind == "proposal")
 
 
 def event_of(state: RunState, trigger: Trigger) -> Event:
@@ -67,7 +74,9 @@ def drop_reports(state: RunState, numbers: Container[int] | None) -> None:
         state: The state of the run.
         numbers: Of the starts and questions that nothing waits for any more; None for all that there are.
     """
-    state.kept, state.queue = (_without(state, each, numbers) for each in (state.kept, state.queue))
+    state.held_events, state.paused_events = (
+        _without(state, each, numbers) for each in (state.held_events, state.paused_events)
+    )
 
 
 def _without(state: RunState, events: Iterable[Event], numbers: Container[int] | None) -> tuple[Event, ...]:

@@ -83,7 +83,7 @@ class ControlEnvironment:
     def waited_for(self) -> set[str]:
         """Whose control something waits for."""
         nodes = self._chart.program.graph.nodes
-        found = {nodes[name].control for name in self._chart.state.pending}
+        found = {nodes[name].control for name in self._chart.state.awaiting_control}
         return {who for who in found if who is not None}
 
     @property
@@ -128,12 +128,14 @@ class ControlEnvironment:
     def lay_by(self) -> None:
         """The mission is paused: while it is, it makes no difference who has control, or why something waits."""
         state, nodes = self._chart.state, self._chart.program.graph.nodes
-        asked = {name for name, until in state.pending.items() if until < math.inf and name not in state.running}
-        state.pending = {name: until for name, until in state.pending.items() if name not in asked}
-        names = {*state.suspended, *state.laid_by, *asked}  # each begins at the end, or asks for control then
-        state.suspended = tuple(sorted(names, key=lambda name: nodes[name].index))
-        state.laid_by = ()
-        state.queue, state.kept = state.kept, ()
+        asked = {
+            name for name, until in state.awaiting_control.items() if until < math.inf and name not in state.running
+        }
+        state.awaiting_control = {name: until for name, until in state.awaiting_control.items() if name not in asked}
+        names = {*state.paused_starts, *state.held_starts, *asked}  # each begins at the end, or asks for control then
+        state.paused_starts = tuple(sorted(names, key=lambda name: nodes[name].index))
+        state.held_starts = ()
+        state.paused_events, state.held_events = state.held_events, ()
 
     def waits(self, state: RunState, event: Event, waiting: tuple[Event, ...]) -> bool:
         """What comes from outside can come just as well right after the hand-back; all else is kept, once.

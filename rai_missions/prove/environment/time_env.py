@@ -231,9 +231,9 @@ class TimeEnvironment:
             others = [each for each in waits if (kind, each.owner) != ("timeout", which)]
             do = self.elapse(self._ring(key), waits=others)
             yield Stimulus(words, "time", do, timer=(key, timer.order), event=raised)
-        for name, until in sorted(self._state.pending.items()):
+        for name, until in sorted(self._state.awaiting_control.items()):
             if until != math.inf:
-                do = self.elapse(self._dated("pending", name), waits=waits)
+                do = self.elapse(self._dated("awaiting_control", name), waits=waits)
                 yield Stimulus(f"no handover for '{name}' in time", "time", do, owner=name)
         if self._state.final is not None and not self._state.settling:
             yield Stimulus("time passes at the end", "time", self.elapse(lambda: None))
