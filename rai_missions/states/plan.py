@@ -61,7 +61,7 @@ class Plan(State, word="plan"):
     def computed(self) -> frozenset[str]:
         return frozenset(("succeeded", "failed"))
 
-    def worked_out(self, outcome: str) -> Sequence[Mapping[str, Any]]:
+    def computed_examples(self, outcome: str) -> Sequence[Mapping[str, Any]]:
         return PLANS[outcome]
 
     def type_needs(self) -> Iterator[TypeNeed]:

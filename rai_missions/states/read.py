@@ -58,7 +58,7 @@ class Read(State, word="read"):
     def computed(self) -> frozenset[str]:
         return frozenset(("succeeded", "unclear", "refused"))
 
-    def worked_out(self, outcome: str) -> Sequence[Mapping[str, Any]]:
+    def computed_examples(self, outcome: str) -> Sequence[Mapping[str, Any]]:
         return READINGS[outcome]
 
     def type_needs(self) -> Iterator[TypeNeed]:

@@ -110,17 +110,11 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         handover_s: float = 5.0,
     ) -> None: ...
 
+    # -- how it is read and written -----------------------------------------------------------------------------------
+
     @classmethod
     def admit(cls, kind: type[Any]) -> str:
         return super().admit(kind) or _lack(kind) or impurity(kind)
-
-    def machine(self, bench: Any) -> Any:
-        """The machine of a kind of another package, which may know the engine; the format's own kinds register theirs.
-
-        Args:
-            bench: What it is made with, an `engine.activities.activity.Bench`.
-        """
-        return None
 
     @classmethod
     def choose(cls, data: Mapping[str, Any]) -> str:
@@ -167,10 +161,23 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         """The words that every state may have."""
         return _common_words()
 
+    def why_unusable(self) -> str:
+        """Why its tree, outcomes or words are of no use; empty where they are."""
+        made: Any = self.made()
+        outcomes: Any = self.outcomes()
+        activity: Any = self.activity()
+        if made is not None and getattr(made, "family", "") != TREE:
+            return f"'made' gives {shown(made, by=clipped)}, which is no tree"
+        if not isinstance(outcomes, AbstractSet) or not all(isinstance(each, str) for each in outcomes):
+            return f"'outcomes' gives {shown(outcomes, by=clipped)}, which is no set of names"
+        return "" if isinstance(activity, str) else f"'activity' gives {shown(activity, by=clipped)}, which is no text"
+
     def written(self) -> dict[str, Any]:
         """The state as a person would write it: the words of its kind before those that every state has."""
         words = super().written()
         return {word: words[word] for word in sorted(words, key=self.LAST.__contains__)}
+
+    # -- what is inside -----------------------------------------------------------------------------------------------
 
     def children(self) -> Mapping[str, State]:
         """The states directly inside it."""
@@ -188,20 +195,20 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         """The states inside it with which it begins, by their names; empty where none is named."""
         return ()
 
-    def outcomes(self) -> frozenset[str]:
-        """What it can report about itself, next to the outcomes of children."""
-        return frozenset({"timed_out"} if self.timeout_s is not None else ())
+    def inside(self, place: str = "") -> Iterator[tuple[str, Any]]:
+        """The written things directly inside it, and the tree that it makes of them, which has its own place."""
+        held, made = super().inside(place), self.made()
+        return held if made is None else chain(held, ((place, made),))
 
-    def why_unusable(self) -> str:
-        """Why its tree, outcomes or words are of no use; empty where they are."""
-        made: Any = self.made()
-        outcomes: Any = self.outcomes()
-        activity: Any = self.activity()
-        if made is not None and getattr(made, "family", "") != TREE:
-            return f"'made' gives {shown(made, by=clipped)}, which is no tree"
-        if not isinstance(outcomes, AbstractSet) or not all(isinstance(each, str) for each in outcomes):
-            return f"'outcomes' gives {shown(outcomes, by=clipped)}, which is no set of names"
-        return "" if isinstance(activity, str) else f"'activity' gives {shown(activity, by=clipped)}, which is no text"
+    # -- what it runs -------------------------------------------------------------------------------------------------
+
+    def machine(self, bench: Any) -> Any:
+        """The machine of a kind of another package, which may know the engine; the format's own kinds register theirs.
+
+        Args:
+            bench: What it is made with, an `engine.activities.activity.Bench`.
+        """
+        return None
 
     def made(self) -> TreeNode | None:
         """The behaviour tree that a kind of another package makes of its fields, and that runs; None for none."""
@@ -211,15 +218,24 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         """The behaviour tree that it runs, written in it or made of its fields; None for none."""
         return self.made()
 
-    def inside(self, place: str = "") -> Iterator[tuple[str, Any]]:
-        """The written things directly inside it, and the tree that it makes of them, which has its own place."""
-        held, made = super().inside(place), self.made()
-        return held if made is None else chain(held, ((place, made),))
-
     def nodes(self) -> Mapping[str, TreeNode]:
         """Path → the node of its tree, outer before inner."""
         root = self.root()
         return dict(root.paths()) if root is not None else {}
+
+    def behaviours(self) -> Mapping[str, BehaviourLeaf]:
+        """Path → the leaf of its tree that is written in Python, which JSON cannot hold."""
+        return {path: leaf for path, node in self.nodes().items() if (leaf := node.behaviour()) is not None}
+
+    def program(self) -> str:
+        """What it runs of the user's program; empty for nothing."""
+        return next((leaf.program() for leaf in self.behaviours().values()), "")
+
+    def takes_time(self) -> bool:
+        """Whether what it runs ends no sooner than something has been received, or time has passed."""
+        return any(node.takes_time for node in self.nodes().values())
+
+    # -- what it asks -------------------------------------------------------------------------------------------------
 
     def decisions(self) -> Mapping[str, DecisionSpec]:
         """What it asks: `#` and the path of a leaf of its tree, empty where it asks itself → the question."""
@@ -238,21 +254,25 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         asked = self.question()
         return asked.options if asked is not None else {}
 
-    def distinguish(self, by: Distinctions) -> None:
-        """Which values of keys make a difference to what it runs; what it does with a key that it names is unknown."""
-        for use in fields_of(type(self)):
-            if use.hint is PATH:
-                by.sample(getattr(self, use.name))
-
     def with_options(self, names: Mapping[str, str]) -> State:
         """A copy with other names for some of its options."""
         return self
+
+    def within(self, part: str) -> str:
+        """The JSON pointer from here to what asks or is run there, as `decisions` names it."""
+        return ""
+
+    # -- what it reports and looks at, for checks and proofs ----------------------------------------------------------
+
+    def outcomes(self) -> frozenset[str]:
+        """What it can report about itself, next to the outcomes of children."""
+        return frozenset({"timed_out"} if self.timeout_s is not None else ())
 
     def computed(self) -> frozenset[str]:
         """The outcomes of what it works out in the step in which it begins; empty for what runs longer."""
         return frozenset()
 
-    def worked_out(self, outcome: str) -> Sequence[Mapping[str, Any]]:
+    def computed_examples(self, outcome: str) -> Sequence[Mapping[str, Any]]:
         """Examples of what it works out, as whole as it is written.
 
         Which fields are known is so in one of them, whatever it works out. Without examples nothing is known of that.
@@ -266,28 +286,16 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         """What it reads or writes by itself that has to be of a type."""
         return iter(())
 
-    def takes_time(self) -> bool:
-        """Whether what it runs ends no sooner than something has been received, or time has passed."""
-        return any(node.takes_time for node in self.nodes().values())
+    def distinguish(self, by: Distinctions) -> None:
+        """Which values of keys make a difference to what it runs; what it does with a key that it names is unknown."""
+        for use in fields_of(type(self)):
+            if use.hint is PATH:
+                by.sample(getattr(self, use.name))
 
-    def within(self, part: str) -> str:
-        """The JSON pointer from here to what asks or is run there, as `decisions` names it."""
-        return ""
-
-    def behaviours(self) -> Mapping[str, BehaviourLeaf]:
-        """Path → the leaf of its tree that is written in Python, which JSON cannot hold."""
-        return {path: leaf for path, node in self.nodes().items() if (leaf := node.behaviour()) is not None}
-
-    def program(self) -> str:
-        """What it runs of the user's program; empty for nothing."""
-        return next((leaf.program() for leaf in self.behaviours().values()), "")
+    # -- in words -----------------------------------------------------------------------------------------------------
 
     def activity(self) -> str:
         """What it runs while it is active, in a word or two; empty for nothing."""
-        return ""
-
-    def proof(self) -> str:
-        """What must be so before its success is believed, in a sentence; empty where its own report suffices."""
         return ""
 
     def title(self) -> str:
@@ -305,6 +313,10 @@ class State(TaggedModel, family="state", group="rai_missions.activities", word="
         for word, does in (("entry", self.entry), ("exit", self.exit)):
             if does:
                 yield f"{word}: {'; '.join(effect.details() for effect in does)}"
+
+    def proof(self) -> str:
+        """What must be so before its success is believed, in a sentence; empty where its own report suffices."""
+        return ""
 
     def leads(self, option: str) -> str:
         """Where an answer of its own leads, in words."""

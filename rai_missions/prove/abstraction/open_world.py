@@ -163,7 +163,7 @@ class OpenWorld:
         known = [value for value in self.values.of(into) if value is not None]
         for outcome in outcomes:
             later = live.with_outcome(node, outcome, outcomes)
-            examples = state.worked_out(outcome)
+            examples = state.computed_examples(outcome)
             can_come = [
                 value for value in known if any(self._is_like(into, value, each) for each in examples or [value])
             ]

@@ -346,7 +346,7 @@ class LiveReads:
         is_its_own = root == getattr(state, "into", "") and state.computed().issuperset(named)
         if not is_its_own or root in self._set:
             return False
-        examples = [each for name in named for each in state.worked_out(name) or ({},)]
+        examples = [each for name in named for each in state.computed_examples(name) or ({},)]
         return all(isinstance(each.get(path), KINDS[written.type]) for each in examples)
 
     def _once_in(self, targets: Iterable[CompiledState], kept: Collection[CompiledState] = ()) -> frozenset[str]:
