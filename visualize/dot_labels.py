@@ -123,7 +123,7 @@ def _head(node: PictureNode, word: str, staying: Sequence[PictureEdge]) -> list[
     return [*rows, *(small(line) for line in (node.about, *node.lines)), *_below(node, staying)]
 
 
-def state_table(node: PictureNode, staying: Sequence[PictureEdge] = ()) -> str:
+def state_table(node: PictureNode, staying: Sequence[PictureEdge]) -> str:
     """The label of a state that holds no others."""
     if node.kind == "history":
         return table(
@@ -174,7 +174,7 @@ def _field(choice: Choice, fallback: str, limit: float) -> str:
     return f'<td port="{escape(choice.name)}" color="{pen}" valign="top"{fill}>{_choice(choice, limit=limit)}</td>'
 
 
-def cluster_table(node: PictureNode, staying: Sequence[PictureEdge] = ()) -> str:
+def cluster_table(node: PictureNode, staying: Sequence[PictureEdge]) -> str:
     """The title of a state that holds others."""
     return table(_title(node, staying))
 
@@ -237,7 +237,7 @@ def tab_table(node: PictureNode) -> str:
     return table([small(f"{node.name}, itself")])
 
 
-def edge_table(edge: PictureEdge, *, short: bool = False) -> str:
+def edge_table(edge: PictureEdge, *, short: bool) -> str:
     """The label of a transition; `short` where its words are at its source already; empty where nothing is left."""
     rows: list[str] = []
     if not short and (not edge.option or edge.guard or edge.source == edge.target):

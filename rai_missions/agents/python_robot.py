@@ -25,7 +25,7 @@ class ChosenRobot(NamedTuple):
     profile: Robot
 
 
-def open_python_robot(given: Any, mission: Mission, before: Robot | None = None) -> ChosenRobot | None:
+def open_python_robot(given: Any, mission: Mission, before: Robot | None) -> ChosenRobot | None:
     """The robot in Python that a run names; None where it names none.
 
     Args:

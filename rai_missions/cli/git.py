@@ -33,7 +33,7 @@ ALONE = ("-c", "protocol.allow=never", "-c", "core.fsmonitor=false", "-c", "core
 
 
 @contextmanager
-def at_revision(revision: str, mission: Path, *, python: bool = False) -> Iterator[Path]:
+def at_revision(revision: str, mission: Path, *, python: bool) -> Iterator[Path]:
     """The file of a mission as it was, in a folder that holds what it includes too.
 
     Args:

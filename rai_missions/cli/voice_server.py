@@ -21,7 +21,7 @@ LAST_WORDS_S = 20.0
 
 
 def serve_voice(
-    sound: SoundConnector, names: ListenNames, *, voice: str, language: str, domain: int | None, below: str = ""
+    sound: SoundConnector, names: ListenNames, *, voice: str, language: str, domain: int | None, below: str
 ) -> int:
     """Listen and speak until an interrupt; returns the exit status.
 

@@ -44,7 +44,7 @@ def load(path: str | os.PathLike[str], *, python: bool = True) -> Mission:
     return expanded(written_mission(path, python=python), Path(path))
 
 
-def written_mission(path: str | os.PathLike[str], *, python: bool = True) -> Mission:
+def written_mission(path: str | os.PathLike[str], *, python: bool) -> Mission:
     """The mission in a file as it is written there: inclusions are states of their own.
 
     Args:

@@ -166,7 +166,7 @@ def found(thing: Any, place: str = "") -> Iterator[Reference]:
     return iter(_found(thing, uses, place) if uses else ())
 
 
-def written_keys(thing: Any, place: str = "") -> Iterator[KeyValue]:
+def written_keys(thing: Any, place: str) -> Iterator[KeyValue]:
     """The mission's keys that the fields of a written thing name as written."""
     kind: Any = type(thing)
     if not (uses := _written_fields(kind)):

@@ -72,7 +72,7 @@ def level(status: StatusMessage, symptoms: Symptoms = HEALTHY) -> tuple[int, str
     return OK, status.mode
 
 
-def array_of(status: StatusMessage, symptoms: Symptoms = HEALTHY, *, at: float, robot: str = "") -> dict[str, Any]:
+def array_of(status: StatusMessage, symptoms: Symptoms, *, at: float, robot: str = "") -> dict[str, Any]:
     """The fields of a `diagnostic_msgs/msg/DiagnosticArray`.
 
     Args:

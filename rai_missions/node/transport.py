@@ -49,7 +49,7 @@ def name_of(given: str, mission: str, robot: Robot | None, ros_arguments: Sequen
 
 
 def open_carrier(
-    robot: Robot | None, name: NodeName, *, now: Callable[[], float], ros_arguments: Sequence[str] = ()
+    robot: Robot | None, name: NodeName, *, now: Callable[[], float], ros_arguments: Sequence[str]
 ) -> Carrier:
     """A connector for a node, not started.
 

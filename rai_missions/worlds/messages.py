@@ -74,7 +74,7 @@ def pose_stamped(x: float, y: float, heading: float, at: float) -> dict[str, Any
     return {"header": header(at, "map"), "pose": pose(x, y, heading)}
 
 
-def battery_state(percentage: float, voltage: float, at: float, *, charging: bool = False) -> dict[str, Any]:
+def battery_state(percentage: float, voltage: float, at: float, *, charging: bool) -> dict[str, Any]:
     """A sensor_msgs/msg/BatteryState; `percentage` goes from 0 to 1."""
     return {
         "header": header(at, "base"),

@@ -14,7 +14,7 @@ from collections.abc import Set as AbstractSet
 from rai_missions.mission.mission import Mission
 from rai_missions.states import Each, Final, Transition
 from visualize.diff.change import Change
-from visualize.diff.originals import AS_THEY_ARE, Originals
+from visualize.diff.originals import Originals
 from visualize.page.reachability import Roads
 
 __all__ = ("Ways", "new_ways")
@@ -136,7 +136,7 @@ def way(came: Mapping[str, str], end: str) -> list[str]:
     return found[::-1]
 
 
-def new_ways(old: Ways, new: Ways, own: Originals = AS_THEY_ARE) -> Iterator[Change]:
+def new_ways(old: Ways, new: Ways, own: Originals) -> Iterator[Change]:
     """How the mission can succeed that it could not before."""
     if (old.onward, old.ends, old.initial) == (new.onward, new.ends, new.initial):
         return

@@ -24,9 +24,7 @@ from rai_missions.profile import Robot
 __all__ = ("MachineFinding", "examine")
 
 
-def examine(
-    robot: Robot | Path | None = None, *, mission: Mission | None = None, voice: bool = False
-) -> Iterator[MachineFinding]:
+def examine(robot: Robot | Path | None, *, mission: Mission | None, voice: bool) -> Iterator[MachineFinding]:
     """Look at everything that this project uses, and at a robot where one is given: its profile, or its Python file.
 
     Args:

@@ -74,7 +74,7 @@ def is_picture(data: Any) -> bool:
     return isinstance(data, Mapping) and any(isinstance(value, Image) for value in data.values())
 
 
-def to_message_later(cls: Any, data: Data, place: str = "") -> Callable[[], Any]:
+def to_message_later(cls: Any, data: Data, place: str) -> Callable[[], Any]:
     """A message of a picture whose bytes are asked for when it is made, and not before.
 
     Raises:

@@ -139,9 +139,7 @@ class Configuration:
         found = [_chain(node, event, declared=declared) for node in self.atomic]
         return tuple([chain for chain in found if chain])
 
-    def outcome_plan(
-        self, source: CompiledState, outcome: str, *, option: bool, climbs: bool, is_late: bool = False
-    ) -> Plan:
+    def outcome_plan(self, source: CompiledState, outcome: str, *, option: bool, climbs: bool, is_late: bool) -> Plan:
         """The transitions for an outcome: those of its own state, of its ancestors if it climbs, or that name it.
 
         Once its state was left, only those that name it: they wait for the event, as in SCXML, and not on the state.

@@ -33,7 +33,7 @@ _new = tuple.__new__
 """Makes a `Stamped` the short way: this runs in every step that counts."""
 
 
-def act_of(effect: Effect, place: str, state: str, keys: Mapping[str, Key], *, has_trees: bool = False) -> Act:
+def act_of(effect: Effect, place: str, state: str, keys: Mapping[str, Key], *, has_trees: bool) -> Act:
     """The act of an effect at a place of a mission, in a state.
 
     Args:

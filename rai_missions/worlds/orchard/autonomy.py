@@ -211,7 +211,7 @@ class Autonomy:
             best = self._way_into(alley, starts, math.inf if best is None else best[0]) or best
         return best
 
-    def _way_into(self, alley: int, starts: Starts, below: float = math.inf) -> Way | None:
+    def _way_into(self, alley: int, starts: Starts, below: float) -> Way | None:
         """To one of an alley's mouths – after a failed attempt the other one – and through it, if it costs less."""
         ends = (not self._from_east[alley],) if self._tries[alley] else (True, False)
         mouths = {self._lattice.mouth(alley, east=east, heading=2 if east else 0) for east in ends}
