@@ -189,7 +189,7 @@ class Runner(RunCommands):
         if self._chart.held_back:
             self._step(lambda: self._chart.send(Event("resume", self._clock.now(), {"by": "start"}, "command")))
 
-    # -- the loop -------------------------------------------------------------------------------------------------
+    # -- from its beginning to its end --------------------------------------------------------------------------------
 
     def run(self) -> Result:
         """Run to the end.
@@ -232,12 +232,6 @@ class Runner(RunCommands):
             if self._connector is not None and ours:
                 self._disconnect(self._connector)
 
-    def _is_settled(self) -> bool:
-        """Nothing that the ended mission has begun is waited for, and all that was reported of it is taken."""
-        if self._chart.awaited_goals or self._executor.handovers.letting_go or self._executor.is_concluding:
-            return False
-        return self._mailbox.empty or not self._executor.hosts_actions
-
     def _connect(self, *, ours: bool) -> None:
         """Begin to receive.
 
@@ -259,6 +253,29 @@ class Runner(RunCommands):
             connector.stop()
         except (Exception, SystemExit):
             log.exception("the connector could not be stopped")
+
+    def _is_settled(self) -> bool:
+        """Nothing that the ended mission has begun is waited for, and all that was reported of it is taken."""
+        if self._chart.awaited_goals or self._executor.handovers.letting_go or self._executor.is_concluding:
+            return False
+        return self._mailbox.empty or not self._executor.hosts_actions
+
+    def _result(self, began: float) -> Result:
+        chart = self._chart
+        return Result(
+            chart.outcome or "failed",
+            chart.why,
+            self._steps,
+            self._writer.path,
+            self.run_id,
+            tuple(sorted(chart.active)),
+            self._decisions,
+            self._clock.now() - began,
+            chart.loose_goals,
+            self._moved_aside,
+        )
+
+    # -- what another process began -----------------------------------------------------------------------------------
 
     def _resume(self, resumed: Resumption) -> None:
         """Continue where a run was cut short, with what it had under way."""
@@ -302,6 +319,8 @@ class Runner(RunCommands):
         if self._resumed is not None and self._resumed.last is not None:
             self._report_status(self._resumed.last)
 
+    # -- before the start ---------------------------------------------------------------------------------------------
+
     def _get_ready(self) -> None:
         """Receive every robot key once before the start."""
         chart = self._chart
@@ -323,6 +342,11 @@ class Runner(RunCommands):
         holder = self._executor.holder
         if holder is not None and holder != chart.holder and chart.outcome is None:
             self._step(lambda: chart.send(Event(holder, self._clock.now(), {"by": "robot"}, "control")))
+
+    @property
+    def _unreported(self) -> tuple[str, ...]:
+        """What the robot has yet to report."""
+        return (*self._chart.unreported, *(() if self._executor.holder != "" else ("who holds control",)))
 
     def _may_begin(self) -> bool:
         """Whether nothing is in the way of the start, once all has been taken that was reported or ordered before it.
@@ -351,10 +375,7 @@ class Runner(RunCommands):
             if is_new and chart.outcome is None:
                 self._step(partial(chart.write, key, value, self._clock.now()))
 
-    @property
-    def _unreported(self) -> tuple[str, ...]:
-        """What the robot has yet to report."""
-        return (*self._chart.unreported, *(() if self._executor.holder != "" else ("who holds control",)))
+    # -- the loop -----------------------------------------------------------------------------------------------------
 
     def _loop(self, done: Callable[[], bool], until: float = math.inf) -> None:
         while not done():
@@ -405,6 +426,8 @@ class Runner(RunCommands):
         self._step(lambda: self._chart.send(event))
         if event.kind == "proposal":
             self._executor.answered(event.number)
+
+    # -- one step -----------------------------------------------------------------------------------------------------
 
     def _step(self, make: Callable[[], Step], *, quiet: bool = True) -> None:
         """Step, journal, effects."""
@@ -459,6 +482,8 @@ class Runner(RunCommands):
         except Exception:
             log.exception("that the run breaks off cannot be written into its journal")
 
+    # -- what is reported ---------------------------------------------------------------------------------------------
+
     def _report(self, step: Step) -> None:
         self._decisions += step.questions
         self._report_status(step)
@@ -477,7 +502,7 @@ class Runner(RunCommands):
         if status is not None:
             self._observer.on_status(status)
 
-    # -- the journal ----------------------------------------------------------------------------------------------
+    # -- the journal --------------------------------------------------------------------------------------------------
 
     def _journal(self, write: Callable[[], None]) -> bool:
         """Have something written down; whether it was."""
@@ -512,18 +537,3 @@ class Runner(RunCommands):
         step = self._chart.send(Event("kill", self._clock.now(), {"by": by}, "command"))
         self._executor.perform(step.effects)
         self._report(step)
-
-    def _result(self, began: float) -> Result:
-        chart = self._chart
-        return Result(
-            chart.outcome or "failed",
-            chart.why,
-            self._steps,
-            self._writer.path,
-            self.run_id,
-            tuple(sorted(chart.active)),
-            self._decisions,
-            self._clock.now() - began,
-            chart.loose_goals,
-            self._moved_aside,
-        )
