@@ -34,6 +34,8 @@ LOST_S = 2.0
 """After so long without a frame there is a fault."""
 LOOKS_S = 5.0
 """How long a second of sound may take to come."""
+DRAINS_S = 0.5
+"""How long what waits to be played may take, where a device is stopped."""
 AHEAD = 2
 """Frames of a source that wait to be played; where none waits, silence is played and the source continues after it."""
 LATE_S, SHARE = 0.2, 0.05
@@ -56,6 +58,8 @@ class DeviceSound(FrameLoop):
         self._is_wanted, self._lock = False, threading.Lock()
         self._frames: Worker | None = None
         self._ahead: deque[bytes] = deque()
+        self._is_drained = threading.Event()
+        """None of them waits, and silence has followed."""
         self._at, self._asked_at, self._came_at = 0.0, 0.0, 0.0
         self._why = self._known = ""
         """Why the device could not be opened again; the fault that was logged last."""
@@ -99,10 +103,17 @@ class DeviceSound(FrameLoop):
             self._is_wanted = False
             stream, self._stream = self._stream, None
         if self._frames is not None:
-            self._frames.post(lambda: _close(stream))
+            self._frames.post(lambda: self._finish(stream))
             if not self._frames.close(CLOSES_S):  # the sound system hangs, and would keep the program from its end
                 log.warning("the sound device does not end within %g s, and is left", CLOSES_S)
                 atexit.unregister(_library()._exit_handler)  # noqa: SLF001 - it waits for the same device, for ever
+
+    def _finish(self, stream: Any) -> None:
+        """Have what a source has given played to its end, on the worker's thread; then close the device."""
+        self._is_drained.wait(DRAINS_S)
+        if stream is not None:
+            stream.stop(ignore_errors=True)
+        _close(stream)
 
     def _opened(self, library: ModuleType) -> Any:
         try:
@@ -153,7 +164,10 @@ class DeviceSound(FrameLoop):
             self._frames.after(AGAIN_S, self._reopen)
 
     def _exchange(self, recorded: Any, out: Any, _count: int, _times: Any, status: Any) -> None:
-        played, taken = self._ahead.popleft() if self._ahead else SILENCE, bytes(recorded)
+        played, taken = self._ahead.popleft() if self._ahead else b"", bytes(recorded)
+        if not played:
+            self._is_drained.set()
+            played = SILENCE
         out[:] = played
         frames, at, self._came_at = self._frames, self._stamp(), time.monotonic()
         if status:
@@ -162,10 +176,12 @@ class DeviceSound(FrameLoop):
             frames.post(lambda: self._take(SoundFrame(at, taken, played)))
 
     def _take(self, frame: SoundFrame) -> None:
-        while len(self._ahead) < AHEAD:
+        while self._is_wanted and len(self._ahead) < AHEAD:
             self._asked_at = max(self._asked_at, frame.at + (len(self._ahead) + 1) * FRAME_S)
+            self._is_drained.clear()
             self._ahead.append(self.played(self._asked_at))
-        self.give(frame)
+        if self._is_wanted:
+            self.give(frame)
 
     def _stamp(self) -> float:
         """When the frame began: a frame after the one before it, drawn to the wall's clock."""

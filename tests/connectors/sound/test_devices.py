@@ -148,6 +148,28 @@ def test_each_frame_is_played_once_in_order_and_reaches_the_speaker(null_sinks: 
     assert reached >= 20, f"{reached} of 60 frames came out of the speaker"
 
 
+def spoken_whole() -> int:
+    from rai_missions.cli.sound import play_sound
+
+    return play_sound(b"".join(numbered()), "pulse")
+
+
+@pytest.mark.long
+def test_what_is_played_is_played_to_its_end_before_the_device_is_closed(null_sinks: None, tmp_path: Path) -> None:
+    """Each of the last frames, or a piece of it on a busy machine; 60 to 130 ms were lost."""
+    file = tmp_path / "speaker.raw"
+    with file.open("wb") as out:
+        recorder = subprocess.Popen(["parec", *RAW, "-d", "speaker.monitor"], stdout=out)
+    assert wait_until(lambda: file.stat().st_size > 0), "the monitor of the speaker records"
+    assert in_new_process(spoken_whole) == 0
+    ends = [each[:100] for each in numbered()[-6:]]
+    try:
+        assert wait_until(lambda: sum(each in file.read_bytes() for each in ends) >= 5, 5.0)
+    finally:
+        recorder.terminate()
+        recorder.wait(10)
+
+
 def level() -> tuple[int, ...]:
     from rai_missions.connectors.sound.devices import microphone_level
 
