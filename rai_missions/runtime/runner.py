@@ -221,7 +221,7 @@ class Runner(RunCommands):
             self._executor.conclude()
             self._loop(self._is_settled)
             self._write_notes()
-            self._write_carried()
+            self._write_buffered()
             return self._result(began)
         except BaseException as error:
             self._break_off(error)
@@ -394,7 +394,7 @@ class Runner(RunCommands):
         """What is asked of the runner itself, and what its time has come for."""
         self._scheduler.run_due()
         if self._settled() >= self._due:
-            self._write_carried()
+            self._write_buffered()
 
     def _settled(self) -> float:
         """Until when all that has happened is known: what waits in the mailbox happened before the clock's present."""
@@ -434,7 +434,7 @@ class Runner(RunCommands):
         since = self._chart.at
         step = make()
         if quiet and self._chart.quiet and step.event.kind in ("write", "tick") and not self._is_news(step):
-            self._writer.carry(step, self._chart.view.board)
+            self._writer.buffer(step, self._chart.view.board)
         elif not self._write(step, since):
             return
         if self._mailbox.urgent:  # nothing is begun any more by what waited for the disk
@@ -443,7 +443,7 @@ class Runner(RunCommands):
             return
         self._lifecycle.control.follow(self._chart.holder, taken=self._chart.taken)  # an effect may ask for it
         self._executor.perform(step.effects)
-        lost = raised_by(lambda: self._writer.confirm(step, may_travel=not self._mailbox.empty))
+        lost = raised_by(lambda: self._writer.confirm(step, may_wait=not self._mailbox.empty))
         self._report(step)
         if lost is not None:
             self._lose_journal(lost)
@@ -521,12 +521,12 @@ class Runner(RunCommands):
 
     @property
     def _due(self) -> float:
-        """When a row must be written: what travels must not travel for long, nor time that a timer is running."""
+        """When a row must be written: what is buffered must not be so for long, nor a running timer silent."""
         timed = self._chart.wake_at is not None and not self._chart.unstarted
         return min(self._writer.due, self._writer.silent_from) if timed else self._writer.due
 
-    def _write_carried(self) -> None:
-        """Have what travels written down: with a step in which only time passes."""
+    def _write_buffered(self) -> None:
+        """Have the buffer written down: with a step in which only time passes."""
         if self._due < math.inf:
             self._step(lambda: self._chart.send(Tick(self._settled())), quiet=False)
 

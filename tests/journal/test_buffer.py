@@ -41,12 +41,12 @@ def test_a_confirmation_is_written_with_the_row_of_the_event_that_waits(tmp_path
     path = tmp_path / "run.journal"
     with Journal.create(path, Header("{}")) as journal, closing(BufferedWriter(journal)) as writer:
         writer.write(performed(1), since=0.0)
-        writer.confirm(performed(1), may_travel=True)
+        writer.confirm(performed(1), may_wait=True)
         assert rows_of(path) == [StepRow(1, performed(1), 0.0)]
         writer.write(performed(2), since=1.0)
         first = [StepRow(1, performed(1), 0.0), Confirmation(2, 1, "performed"), StepRow(3, performed(2), 1.0)]
         assert rows_of(path) == first
-        writer.confirm(performed(2), may_travel=False)
+        writer.confirm(performed(2), may_wait=False)
         assert rows_of(path) == [*first, Confirmation(4, 2, "performed")]
 
 
@@ -54,9 +54,9 @@ def test_a_confirmation_travels_for_one_event_and_no_longer(tmp_path: Path) -> N
     path = tmp_path / "run.journal"
     with Journal.create(path, Header("{}")) as journal, closing(BufferedWriter(journal)) as writer:
         writer.write(performed(1), since=0.0)
-        writer.confirm(performed(1), may_travel=True)
+        writer.confirm(performed(1), may_wait=True)
         quiet = Step(2, 2.0, Event("battery", 2.0, {"value": 0.5}, "write"))
-        writer.confirm(quiet, may_travel=True)
+        writer.confirm(quiet, may_wait=True)
         assert rows_of(path) == [StepRow(1, performed(1), 0.0), Confirmation(2, 1, "performed")]
 
 
@@ -64,7 +64,7 @@ def test_a_row_that_cannot_be_written_leaves_what_was_performed_confirmed(tmp_pa
     path = tmp_path / "run.journal"
     with Journal.create(path, Header("{}")) as journal, closing(BufferedWriter(journal)) as writer:
         writer.write(performed(1), since=0.0)
-        writer.confirm(performed(1), may_travel=True)
+        writer.confirm(performed(1), may_wait=True)
         with pytest.raises(ConnectorError, match="rows 2 to 3 are lost"):
             writer.write(performed(2)._replace(why="x" * LONGEST_BYTES), since=1.0)
     assert rows_of(path) == [StepRow(1, performed(1), 0.0), Confirmation(2, 1, "performed")]

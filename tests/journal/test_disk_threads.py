@@ -19,7 +19,8 @@ from hypothesis import strategies as st
 
 from rai_missions.engine.step import Step
 from rai_missions.journal import buffer
-from rai_missions.journal.buffer import MOST_FREE, BufferedWriter, DiskThreads, raised_by
+from rai_missions.journal.buffer import BufferedWriter, raised_by
+from rai_missions.journal.disk_threads import MOST_FREE, DiskThreads
 
 PATIENCE_S = 30.0
 
