@@ -13,6 +13,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, PlainSerializer, St
 from pydantic_core import PydanticCustomError, PydanticKnownError
 
 from rai_missions.model.references import EVENT, KEY, PATH, STATE, TIMER, OneOrMany, Refers
+from rai_missions.model.validation_errors import NULL
 
 __all__ = (
     "LISTED", "NAME", "NOT_NULL", "PATH_PATTERN", "RECORDED", "WHOLE", "ActionName", "Bool", "EventName", "Format",
@@ -159,7 +160,7 @@ WHOLE = BeforeValidator(_as_whole)
 
 def _not_null(value: Any) -> Any:
     if value is None:
-        raise fault("null", "null is no value; leave the word out")
+        raise fault("null", NULL)
     return value
 
 

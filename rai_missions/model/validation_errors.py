@@ -16,8 +16,10 @@ from pydantic import BaseModel, ValidationError
 from rai_missions.errors import DefinitionError, Fault, article, pointer, suggestion, uncalled, without_marks
 from rai_missions.redaction import shown
 
-__all__ = ("KEY", "faults_of", "model_at", "place_of", "refusals", "validated", "words_of")
+__all__ = ("KEY", "NULL", "faults_of", "model_at", "place_of", "refusals", "validated", "words_of")
 
+NULL = "null is no value; leave the word out"
+"""What is wrong with null in place of a word that may be left out."""
 MOST = 1000
 """How many faults are listed one by one; anyone who has more reads no further."""
 KEY = "[key]"
@@ -75,7 +77,9 @@ def faults_of(error: ValidationError, model: type[Any], data: Any, known: Collec
         if seen in reported:
             continue
         reported.add(seen)
-        yield Fault(place, _sentence(item, model_at(model, data, steps), known if len(item["loc"]) == 1 else ()))
+        there, words = model_at(model, data, steps), known if len(item["loc"]) == 1 else ()
+        is_absent = item["input"] is None and item["type"] in WANTED and _may_lack(there, steps[-1] if steps else "")
+        yield Fault(place, NULL if is_absent else _sentence(item, there, words))
     if len(found) > MOST:
         yield Fault("", f"and {len(found) - MOST} more faults; mend these first")
 
@@ -198,6 +202,12 @@ def _noun(class_name: str) -> str:
 def words_of(model: type[Any] | None) -> list[str]:
     """The words that an object of a model may have."""
     return [field.alias or name for name, field in model.model_fields.items()] if model else []
+
+
+def _may_lack(model: type[Any] | None, word: str | int) -> bool:
+    """Whether an object of a model may be without a word."""
+    fields = model.model_fields.items() if model is not None else ()
+    return any(word == (field.alias or name) and not field.is_required() for name, field in fields)
 
 
 def _home(word: str, model: type[Any] | None) -> str:
