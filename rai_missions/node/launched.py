@@ -10,10 +10,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from rai_missions.connectors.connector import Connector, SupportsParameters
-from rai_missions.errors import UsageError, suggestion
+from rai_missions.errors import UsageError
 from rai_missions.mission.mission import Mission
 from rai_missions.plain_data import json_value
 from rai_missions.profile import plain
+from rai_missions.runtime.arguments import not_taken
 
 __all__ = ("arguments_of", "parameters_of")
 
@@ -40,8 +41,7 @@ def arguments_of(parameters: Mapping[str, Any], mission: Mission, given: Mapping
     for path, value in parameters.items():
         name, _, field = path.partition(".")
         if name not in takes:
-            known = suggestion(name, takes) if takes else "; it takes none"
-            raise UsageError(f"parameter '{path}': the mission takes no argument '{name}'{known}")
+            raise UsageError(f"parameter '{path}': {not_taken(mission, name)}")
         if name in given:
             raise UsageError(f"parameter '{path}': '{name}' is given by --set as well; keep one")
         arguments[name] = _merged(

@@ -13,7 +13,7 @@ from rai_missions.mission.mission import Mission
 from rai_missions.mission.start_fault import StartFault
 from rai_missions.states.compound import Each
 
-__all__ = ("accepted", "argument_faults")
+__all__ = ("accepted", "argument_faults", "not_taken")
 
 WRITTEN: Mapping[str, str] = {"list": '["a", "b"]', "object": '{"a": 1}', "pose": '{"x": 1.5, "y": 2}'}
 """Type that a shell takes for text unless it is quoted → a value of it, as JSON."""
@@ -39,13 +39,7 @@ def argument_faults(mission: Mission, arguments: Mapping[str, Any], *, whole: bo
     """What is wrong with the arguments of a run; the arguments are as for `accepted`."""
     needed = mission.needed_arguments()
     takes = mission.keys_of("argument")
-    faults = [
-        StartFault(
-            "foreign", f"the mission takes no argument '{name}'{suggestion(name, takes) or '; it takes none'}", name
-        )
-        for name in arguments
-        if name not in takes
-    ]
+    faults = [StartFault("foreign", not_taken(mission, name), name) for name in arguments if name not in takes]
     for name, key in takes.items():
         example = WRITTEN.get(key.type) if isinstance(arguments.get(name), str) else None
         if name in arguments and (why := _unfit(mission, name, arguments[name], written=example is None)):
@@ -55,6 +49,16 @@ def argument_faults(mission: Mission, arguments: Mapping[str, Any], *, whole: bo
             needs = f"the mission needs the argument '{name}'; on a command line, give --set {name}=…"
             faults.append(StartFault("missing", needs, name))
     return faults
+
+
+def not_taken(mission: Mission, name: str) -> str:
+    """Why a name is no argument of a mission: a key that something else writes, or none; and what the mission takes."""
+    takes = mission.keys_of("argument")
+    key = mission.blackboard.get(name)
+    why = f": the source of that key is '{key.source}'" if key is not None else ""
+    # a key that is there is no slip of another's name
+    others = suggestion("" if why else name, takes) or "; it takes none"
+    return f"the mission takes no argument '{name}'{why}{others}"
 
 
 def _unfit(mission: Mission, name: str, value: Any, *, written: bool) -> str:

@@ -254,7 +254,7 @@ def test_a_mission_may_end_as_it_starts() -> None:
     [
         ({"sped": 1.0}, "the mission takes no argument 'sped'; did you mean 'speed'"),
         ({"speed": "fast"}, "the argument does not fit: 'fast' is not of type 'number'"),
-        ({"count": 3}, "the mission takes no argument 'count'"),
+        ({"count": 3}, "the mission takes no argument 'count': the source of that key is 'mission'; there is: speed"),
     ],
 )
 def test_an_argument_that_the_mission_does_not_take_is_refused(arguments: dict[str, Any], sentence: str) -> None:
