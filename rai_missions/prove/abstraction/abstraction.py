@@ -98,7 +98,7 @@ class Abstraction:
             "goals": _rest_goals,
             "activities": self._rest_activities,
             "rounds": self._rest_rounds,
-            "lists": _rest_lists,
+            "lists": self._rest_lists,
         }
         self._rests = [(each.name, rests[each.kind]) for each in TABLE if each.kind in rests]
 
@@ -231,14 +231,21 @@ class Abstraction:
 
     def _rest_rounds(self, rounds: OpenRounds) -> OpenRounds:
         """Without the items that are done, and without the next one where no one can look at it before its round."""
-        kept = self.later.roots
         for name, (items, index) in list(rounds.entries()):
             left = items[index:]
-            if len(left) == 2 and name in self._lists and self._lists[name] not in kept:
-                left = left[0], MORE
+            left = self._without_next(name, left)
             if left != items:
                 rounds[name] = left, 0
         return rounds
+
+    def _rest_lists(self, lists: dict[tuple[str, str], Round]) -> dict[tuple[str, str], Round]:
+        return {key: (self._without_next(key[1], items[at:]), 0) for key, (items, at) in lists.items()}
+
+    def _without_next(self, each: str, left: tuple[Any, ...]) -> tuple[Any, ...]:
+        """The items that are left; without the next one where no one can look at it before its round."""
+        path = self._lists.get(each)
+        is_free = len(left) == 2 and path is not None and (path in self._reopened or path not in self.later.roots)
+        return (left[0], MORE) if is_free else left
 
     def _without_passed(self, name: str, activity: Any) -> Any:
         """A machine's state without what its tree remembers of nodes that it has passed."""
@@ -354,15 +361,14 @@ class Abstraction:
         """
         items, index = state.rounds[node.name]
         assert isinstance(node.state, Each)
-        path, choices = node.state.each, self._world.choices
+        path = node.state.each
         is_open = items[index:] == (MORE,)
         if not is_open and not (0 < index == len(items) - 1 and path.split(".")[0] in self._given):
             return
         is_first = is_new(state, node)
         if is_open:
-            known = self._world.values.item(path)
-            items = (*items[:index], known[choices.choose(len(known) if is_first else 1)])
-        if choices.choose(2 if is_first else 1):
+            items = (*items[:index], self._world.item(path, is_first=is_first))
+        if self._world.choices.choose(2 if is_first else 1):
             items = (*items, MORE)
             self._instruments.lengthened.add(node.name)
         state.rounds[node.name] = items, index
@@ -387,10 +393,6 @@ def _rest_goals(goals: dict[int, Goal]) -> dict[int, Goal]:
     return {
         number: goal if goal.until in (SOON, math.inf) else goal._replace(until=SOON) for number, goal in goals.items()
     }
-
-
-def _rest_lists(lists: dict[tuple[str, str], Round]) -> dict[tuple[str, str], Round]:
-    return {key: (items[at:], 0) for key, (items, at) in lists.items()}
 
 
 def _waiting(chains: Plan, nodes: Iterable[CompiledState]) -> Iterator[CompiledGuard]:

@@ -201,6 +201,8 @@ class OpenBoard(AskedBoard):
         self.counters = frozenset[str]()
         """Of numbers that are counted it is noted what had been added to them at each look."""
         self.counted: set[tuple[str, int]] = set()
+        self._shared = frozenset[str]()
+        """Keys that keep the open objects that are written there."""
         self.among: dict[str, AnyOf] = {}
         """Key → the values of which it has one, until someone looks or it is written; None is unknown."""
 
@@ -224,6 +226,10 @@ class OpenBoard(AskedBoard):
     def count(self, keys: Iterable[str]) -> None:
         """Note the keys that hold numbers which are counted."""
         self.counters = frozenset(keys)
+
+    def share(self, keys: Iterable[str]) -> None:
+        """Have keys keep the open objects that are written there: what is found out of one is known of both."""
+        self._shared = frozenset(keys)
 
     def note(self, key: str, found: Any) -> None:
         """A key was looked at, and this is its entry; `MISSING` where it was not looked at before."""
@@ -295,7 +301,8 @@ class OpenBoard(AskedBoard):
             self.replaced.add(key)
         self.among.pop(key, None)
         value = entry[0]
-        if isinstance(value, OpenFields) and key not in self.open_keys:  # a copy keeps what the original changes
+        is_shared = key in self.open_keys or key in self._shared
+        if isinstance(value, OpenFields) and not is_shared:  # a copy keeps what the original changes
             entry = Stamped(value.whole(), self._at)
         dict.__setitem__(self, key, entry)
 

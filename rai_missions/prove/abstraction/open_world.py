@@ -17,6 +17,7 @@ from rai_missions.guards.view import Site, Truth, as_counted
 from rai_missions.keys import Stamped
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.abstraction.nondeterminism import Choices, OpenBoard, OpenFields
+from rai_missions.prove.abstraction.open_items import OpenItems, open_lists
 from rai_missions.prove.abstraction.open_rounds import OpenRounds, list_name
 from rai_missions.prove.abstraction.open_sight import OpenSight, Sights
 from rai_missions.prove.analysis.comparisons import Comparisons
@@ -82,6 +83,8 @@ class OpenWorld:
         self.stored = self.own_keys | lists
         """What is apart from the rest of a state: the own keys, and the lists that states go over."""
         state.board, state.rounds, state.at = self.board, self.rounds, NOW
+        self.items = self._open_items()
+        """The items of lists that are left open."""
         self.facts = self._facts()
         """The keys that rest on what the robot, its servers and services report."""
         self._assume()
@@ -140,8 +143,30 @@ class OpenWorld:
 
     def _list(self, key: str) -> list[Any] | None:
         """A list of no, one or two items, each anything; `Abstraction` has longer ones."""
-        many = self.choices.pick((0, 1, 2, None) if None in self.values.of(key) else (0, 1, 2))
-        return None if many is None else [self.choices.pick(self.values.item(key)) for _ in range(many)]
+        many = self.choices.pick((0, 1, 2, None) if self.values.can_lack(key) else (0, 1, 2))
+        return None if many is None else [self.item(key) for _ in range(many)]
+
+    def item(self, path: str, *, is_first: bool = True) -> Any:
+        """Any item of a list; the first alternative alone where another way tries the others."""
+        shape = self._item_shapes.get(path)
+        if shape is not None:
+            return shape.fresh({} if is_first else dict.fromkeys(shape.fields))
+        known = self.values.item(path)
+        return known[self.choices.choose(len(known) if is_first else 1)]
+
+    def _open_items(self) -> OpenItems:
+        """The items that are left open field by field; none where others look at values in their own way."""
+        mission, values = self._chart.mission, self.values
+        lists = {} if self.is_open or self.own_fade else open_lists(mission, values.learned)
+        shapes = {
+            state.item: OpenFields(
+                values.learned.within(state.item), partial(values.part, state.item), self.choices.pick
+            )
+            for state in lists.values()
+        }
+        self._item_shapes = {state.each: shapes[state.item] for state in lists.values()}
+        self.board.share(shapes)
+        return OpenItems(shapes, lists, self.board)
 
     def _shape(self, key: str) -> OpenFields | None:
         if self.values.is_sight(key):

@@ -169,13 +169,17 @@ class StateCodec:
         state.board = {key: entry for key, entry in self._world.board.entries() if key not in own}
         if state.goals:
             state.goals = {number: goal for number, goal in state.goals.items() if goal.phase in PURSUED}
+        if state.lists:
+            items = self._world.items
+            state.lists = {key: items.closed(key[1], each) for key, each in state.lists.items()}
         state.rounds, state.draft = NONE, NO_DRAFT
         return SavedState(state, self.groups or NONE)
 
     def own(self) -> dict[str, Any]:
         """What the mission's own keys hold."""
-        bounds, found = self._rest.saturating, self._world.own()
-        found |= {list_name(name): Stamped(each, NOW) for name, each in self._world.rounds.entries()}
+        bounds, items = self._rest.saturating, self._world.items
+        found = {key: items.entry(key, entry) for key, entry in self._world.own().items()}
+        found |= self._rounds()
         for key in self.stores.counters & found.keys():
             entry = found[key]
             if entry is not None and entry[0].__class__ is Count:
@@ -190,8 +194,11 @@ class StateCodec:
             is_exact: The values themselves decide how the step goes: nothing is counted on from others.
         """
         written, added = dict[str, Any](), dict[str, int]()
-        for key, entry in self._world.own().items():
+        for key, found in self._world.own().items():
+            entry = self._world.items.entry(key, found)
             if before.keys.get(key) is entry or before.board.get(key) is entry:
+                continue
+            if found is not entry and before.keys.get(key) == entry:
                 continue
             if entry is None or entry[0].__class__ is not Count:
                 written[key] = entry
@@ -199,10 +206,15 @@ class StateCodec:
                 written[key] = Stamped(clamped(self._rest.saturating, key, int(entry[0])), entry[1])
             else:
                 added[key] = entry[0].added
-        for name, each in self._world.rounds.entries():
-            if before.rounds.get(name) is not each:
-                written[list_name(name)] = Stamped(each, NOW)
+        for name, each in self._rounds().items():
+            if before.keys.get(name) != each:
+                written[name] = each
         return written, added
+
+    def _rounds(self) -> dict[str, Stamped]:
+        """The lists that are gone over, by their names in a store."""
+        items = self._world.items
+        return {list_name(name): Stamped(items.closed(name, each), NOW) for name, each in self._world.rounds.entries()}
 
     def given_up(self) -> list[Goal]:
         """The goals that nothing pursues."""
@@ -213,7 +225,11 @@ class StateCodec:
         saved, store = place
         state = copied(saved.run)
         self._world.board.refill(saved.run.board, store.board)
-        self._world.rounds.refill(store.rounds)
+        items = self._world.items
+        items.load()
+        self._world.rounds.refill({name: items.opened(name, each) for name, each in store.rounds.items()})
+        if state.lists:
+            state.lists = {key: items.opened(key[1], each) for key, each in state.lists.items()}
         state.board, state.rounds = self._world.board, self._world.rounds
         if store.goals:
             state.goals = store.ledger | state.goals
@@ -280,7 +296,10 @@ class StateCodec:
 
     def _lists_key(self, lists: Mapping[tuple[str, str], tuple[tuple[Any, ...], int]]) -> Any:
         recalls = {self._chart.program.graph.order[at].name for at in self._rest.later.recalls}
-        return sorted((key, repr(items[at:])) for key, (items, at) in lists.items() if key[0] in recalls)
+        rest = self._world.items.closed
+        return sorted(
+            (key, repr(rest(key[1], (items[at:], 0)))) for key, (items, at) in lists.items() if key[0] in recalls
+        )
 
     def _board_key(self, board: Any) -> Any:
         idle, kept, own = self._rest.idle, self._rest.later.roots, self._world.own_keys

@@ -106,12 +106,13 @@ class StepChains:
     def _put_forward(self, own: dict[str, Any], link: Link, draft: StepDraft) -> dict[str, Any]:
         """What the own keys hold at the end of a chain; no farther than the limit of microsteps allows."""
         chain, after = link.chain, draft.microsteps + link.chain.microsteps - link.microsteps
-        if after >= MOST_MICROSTEPS:
+        written = chain.written & chain.own.keys()
+        if after >= MOST_MICROSTEPS or not written.isdisjoint(self._world.items.shapes):
             return own
         draft.microsteps = after
         draft.moves += [move for move, at in chain.moves.items() if at > link.microsteps]
         draft.looked += [guard for guard, at in chain.guards.items() if at > link.microsteps]
-        for key in chain.written & chain.own.keys():
+        for key in written:
             self._world.board.put(key, chain.own[key])
         self._instruments.asked.update((chain.looked | chain.written) & self._world.stored)
         self._world.board.looked |= chain.looked

@@ -484,6 +484,12 @@ class Comparisons:
         kin = self.kin_of(path)
         return frozenset[str]().union(*(self.judging.get(each, ()) for each in kin))
 
+    def is_bare(self, key: str) -> bool:
+        """Whether a key is compared with none, copied to none and judged by none, but for its fields by name."""
+        is_alone = len(self.kin_of(key)) == 1 and not self.atoms.get(key) and key not in self.near
+        is_judged = self.is_goal(key) or self.asked_of_goals(key)
+        return is_alone and not is_judged and not any(self.within(f"{key}.{field}") for field in self.within(key))
+
     def is_goal(self, path: str) -> bool:
         """Whether the value there, or one that it is copied to, is judged as a goal."""
         return not self.judged.keys().isdisjoint(self.kin_of(path))

@@ -244,7 +244,15 @@ class LiveReads:
         """What a state itself looks at while it is active and on exit; not its transitions."""
         if node.state is None:
             return frozenset()
-        fields = {*type(node.state).model_fields} - {"states", "parallel", "transitions", "entry", "exit", "each"}
+        fields = {*type(node.state).model_fields} - {
+            "states",
+            "parallel",
+            "transitions",
+            "entry",
+            "exit",
+            "each",
+            "item",
+        }
         own = [getattr(node.state, field) for field in sorted(fields)]
         actions = {getattr(node.state, "action", ""), *(leaf.action for leaf in parts(own, ActionLeaf))} - {""}
         looked = self._worked_with(node.state, fields) if node.state.computed() else self._mentions(own)

@@ -57,12 +57,16 @@ class Values:
     def of(self, key: str) -> tuple[Any, ...]:
         """The values that represent all that a key can hold; None, unknown, comes first where it can be."""
         if key not in self._known:
-            written = self._keys[key]
-            robot = written.source == "robot" and not written.optional
-            given = written.source == "argument" and (written.initial is not None or not written.optional)
-            known = tuple(self._made(key, written.type))
-            self._known[key] = known if written.max_age_s is None and (robot or given) else (None, *known)
+            known = tuple(self._made(key, self._keys[key].type))
+            self._known[key] = (None, *known) if self.can_lack(key) else known
         return self._known[key]
+
+    def can_lack(self, key: str) -> bool:
+        """Whether a key can be unknown."""
+        written = self._keys[key]
+        robot = written.source == "robot" and not written.optional
+        given = written.source == "argument" and (written.initial is not None or not written.optional)
+        return written.max_age_s is not None or not (robot or given)
 
     def narrow(self, key: str, is_possible: Callable[[Any], bool]) -> None:
         """Leave values of a key out."""

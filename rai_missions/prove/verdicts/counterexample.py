@@ -25,6 +25,7 @@ from rai_missions.prove.environment.environment import Environment
 from rai_missions.prove.exploration.explorer import Edge, Space
 from rai_missions.prove.stimulus import CANCEL, KILL, START
 from rai_missions.prove.verdicts.properties import Property
+from rai_missions.prove.verdicts.traced_lists import TracedLists
 
 if TYPE_CHECKING:
     from rai_missions.journal import Journal
@@ -71,12 +72,15 @@ def trace(space: Space, claim: Property) -> list[TraceStep]:
     environment = space.environment
     environment.load(space.fresh)
     found: list[TraceStep] = []
+    lists = TracedLists(environment)
     for each in ways_to(space, claim):
         traced = _traced(environment, each, found[-1].facts if found else {})
+        lists.learn()
         environment.settle()  # it may choose more of what an answer brings
         found.append(traced._replace(event=environment.inputs.example))
         environment.load(environment.codec.place())
-    return found
+    whole = lists.lists()
+    return [each._replace(facts={name: whole.get(name, value) for name, value in each.facts.items()}) for each in found]
 
 
 def go(environment: Environment, way: Edge) -> tuple[str, str]:
