@@ -20,7 +20,7 @@ __all__ = ("is_meant", "ordered")
 
 SENSES = {
     "state": ("doing", "mission", "happened", "progress"), "where": ("where", "key"), "why": ("why_stopped", "waits"),
-    "can": ("capabilities", "places"), "who": ("who",), "progress": ("time_left", "progress"), "options": ("options",),
+    "can": ("capabilities", "places"), "who": ("who",), "progress": ("time_left", "progress"), "options": ("asked",),
     "found": ("result", "happened", "count", "where_is"), "battery": ("key",), "next": ("queued",),
     "long": ("time_left", "since", "progress"), "done": ("happened", "progress", "result"),
 }  # fmt: skip

@@ -52,6 +52,11 @@ def test_a_half_sentence_behind_an_order_that_counts_is_the_order_with_another_v
 
 
 @pytest.mark.parametrize(("name", "order", "half", "expected"), [
+    ("fruit_sorter", "set the belt to 80 percent", "slower, 50", {"speed_percent": 50}),
+    ("window_cleaner", "fill 25 litres", "hmm, better 35", {"litres": 35}),
+    ("aquarium_guide", "feed the sharks", "with two kilos", {"tank": "sharks", "grams": 2000}),
+    ("medikamentenwagen", "öffne Fach drei", "ach, lieber das vierte", {"drawer": 4}),
+    ("poolroboter", "gib 100 Gramm Chlor ins Kinderbecken", "mach 150 draus", {"pool": "kids", "grams": 150}),
     ("night_guard", "watch the yard", "for twenty minutes", {"zone": "yard", "watch_min": 20}),
     ("pool_cleaner", "heat the big pool to 28 degrees", "no, the hot tub, to 37", {"pool": "hot tub", "degrees": 37}),
     ("shelf_robot", "fetch the score", "no, the atlas, to the front desk", {"book": "atlas", "desk": "front"}),

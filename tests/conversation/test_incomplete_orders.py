@@ -20,6 +20,11 @@ from tests.conversation.test_robots import robot
     ("mast_drone", "could you photograph the lamp?", "Which mast", "of the old mast",
      {"task": "photograph", "part": "lamp", "mast": "old"}),
     ("solar_washer", "Wasch Reihe drei", "row_3", "mit 50 Litern", {"task": "wash", "row": "row_3", "litres": 50}),
+    ("fruit_sorter", "label boxes", "count", "thirty", {"task": "label", "count": 30}),
+    ("poolroboter", "gib Chlor ins Kinderbecken", "grams", "100 Gramm",
+     {"task": "chlorine", "grams": 100, "pool": "kids"}),
+    ("medikamentenwagen", "mach ein Fach auf", "drawer", "das dritte", {"task": "open", "drawer": 3}),
+    ("window_cleaner", "wash the wing", "east wing", "the one in the east", {"task": "wash", "side": "east_wing"}),
     ("pallet_truck", "move P12", "Which bay", "bay two", {"task": "move", "pallet": "P12", "bay": "bay_2"}),
 ])  # fmt: skip
 def test_what_an_order_lacks_is_asked_for_and_half_a_sentence_gives_it(
@@ -40,12 +45,27 @@ def test_words_that_begin_no_order_with_its_values_lack_nothing(text: str) -> No
     ("shelf_robot", "shelf three needs scanning", {"task": "scan", "shelf": "shelf_3"}),
     ("pool_cleaner", "the steps in the big pool need brushing", {"task": "brush", "part": "steps", "pool": "big pool"}),
     ("pool_cleaner", "the hot tub has to be vacuumed", {"task": "vacuum", "pool": "hot tub"}),
+    ("fruit_sorter", "the green crate has to be emptied", {"task": "empty", "crate": "green"}),
+    ("poolroboter", "könntest du den Filter leeren?", {"task": "filter"}),
     ("kitchen_arm", "give the counter a wipe", {"task": "wipe", "area": "counter"}),
     ("kitchen_arm", "give the counter a good cleaning", {"task": "wipe", "area": "counter"}),
     ("solar_washer", "Die vierte Reihe muss gewaschen werden", {"task": "wash", "row": "row_4"}),
     ("barista", "Die Düse muss mal gereinigt werden", {"task": "clean", "part": "nozzle"}),
 ])  # fmt: skip
 def test_the_verb_of_an_order_may_be_behind_its_thing(name: str, text: str, expected: Mapping[str, Any]) -> None:
+    assert arguments(after(name, text)) == expected
+
+
+@pytest.mark.parametrize(("name", "text", "expected"), [
+    ("medikamentenwagen", "öffne bitte das zweite Fach", {"task": "open", "drawer": 2}),
+    ("fruit_sorter", "label a dozen boxes", {"task": "label", "count": 12}),
+    ("fruit_sorter", "label two dozen boxes", {"task": "label", "count": 24}),
+    ("gewaechshaus", "ernte mal den Salat", {"task": "pick", "plant": "lettuce"}),
+    ("gewaechshaus", "pflück eine Tomate", {"task": "pick", "plant": "tomato", "count": 1}),
+])  # fmt: skip
+def test_a_number_has_its_forms_and_an_article_is_none_of_them(
+    name: str, text: str, expected: Mapping[str, Any]
+) -> None:
     assert arguments(after(name, text)) == expected
 
 

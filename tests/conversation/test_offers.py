@@ -91,6 +91,8 @@ NOTHING = {
         "where is your battery?",
         "how warm is it?",
         "I need your help",
+        "do you ever go to the kitchen?",
+        "will you find the way to the kitchen tomorrow?",
     ),
     "de": (
         "die Küche duftet heute herrlich",
@@ -104,6 +106,8 @@ NOTHING = {
         "fahr in den Keller",
         "wo liegt Paris?",
         "wo ist deine Batterie?",
+        "suchst du morgen etwas in der Küche?",
+        "Nächste Woche putzt du die Küche.",
     ),
 }
 MOST_OFFERED = 0.05

@@ -3,13 +3,15 @@
 
 The first are a drone, an arm, a truck, a courier and a gardener; the second, for a library, a watch, a bar, a pool and
 a solar farm, were written before their author had read the grammar. So were the third, for a rink, linen, a museum,
-bricks, samples and an airport, whose options take values. Two of the second talk German, and three of the third.
+bricks, samples and an airport, whose options take values, and the fourth, for windows, fruit, an aquarium, medicines, a
+greenhouse and a pool. Two of the second talk German, and three of the third and of the fourth.
 
 Every other sentence was read while the rules were written, the first of each two; the rest was only counted.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from functools import cache, partial
 from typing import Any
@@ -22,6 +24,7 @@ from rai_missions.conversation import (
     MissionView,
     Order,
     Settings,
+    Speech,
     StatusView,
     TalkNote,
     Utterance,
@@ -34,6 +37,7 @@ SETS: Mapping[str, Mapping[str, Any]] = {
     "first": read("robots.json"),
     "second": read("robots_second.json"),
     "third": read("robots_third.json"),
+    "fourth": read("robots_fourth.json"),
 }
 ROBOTS: Mapping[str, Any] = {name: given for each in SETS.values() for name, given in each.items()}
 KINDS = ("orders", "questions", "answers", "stops", "harmless")
@@ -97,12 +101,14 @@ def rights(name: str, kind: str) -> Iterator[bool]:
 
 MODES = {"start": "running", "resume": "running", "stop": "paused", "pause": "paused"}
 LEAST = {
-    ("first", "orders"): (60, 47), ("first", "questions"): (37, 30), ("first", "answers"): (25, 24),
-    ("first", "stops"): (20, 20), ("first", "harmless"): (38, 33), ("first", "dialogues"): (40, 33),
-    ("second", "orders"): (46, 37), ("second", "questions"): (37, 31), ("second", "answers"): (28, 25),
-    ("second", "stops"): (20, 20), ("second", "harmless"): (29, 28), ("second", "dialogues"): (72, 56),
-    ("third", "orders"): (25, 26), ("third", "questions"): (21, 20), ("third", "answers"): (50, 42),
-    ("third", "stops"): (18, 18), ("third", "harmless"): (30, 27), ("third", "dialogues"): (50, 47),
+    ("first", "orders"): (60, 47), ("first", "questions"): (37, 32), ("first", "answers"): (25, 24),
+    ("first", "stops"): (20, 20), ("first", "harmless"): (38, 33), ("first", "dialogues"): (40, 35),
+    ("second", "orders"): (46, 37), ("second", "questions"): (37, 32), ("second", "answers"): (28, 25),
+    ("second", "stops"): (20, 20), ("second", "harmless"): (29, 28), ("second", "dialogues"): (72, 58),
+    ("third", "orders"): (25, 26), ("third", "questions"): (22, 23), ("third", "answers"): (50, 42),
+    ("third", "stops"): (18, 18), ("third", "harmless"): (30, 28), ("third", "dialogues"): (50, 47),
+    ("fourth", "orders"): (46, 38), ("fourth", "questions"): (48, 40), ("fourth", "answers"): (28, 23),
+    ("fourth", "stops"): (18, 12), ("fourth", "harmless"): (28, 28), ("fourth", "dialogues"): (115, 107),
 }  # fmt: skip
 """Those that are read right, of the half that was read and of the other."""
 
@@ -117,15 +123,14 @@ def turns(dialogue: Mapping[str, Any]) -> Iterator[bool]:
         found = talk.on_utterance(Utterance(text, "operator", "terminal", by, 6.0 * at), view)
         notes = {each.kind for each in found if isinstance(each, TalkNote)}
         given = [each.name for each in found if isinstance(each, Order)]
-        first = expected.partition(",")[0].partition(" (")[0]
-        if first.startswith("confirmed"):
-            yield bool(given) or "queued" in notes
-        elif "dropped" in first:
-            yield bool({"dropped", "void"} & notes)
-        elif first.startswith("what was"):
-            yield "read_back" not in notes
-        else:
-            yield is_meant(text, first, found, view, settings.language, partial(is_answered, dialogue["robot"]))
+        is_taken = bool(given) or "queued" in notes
+        come_to = {"confirmed": is_taken, "unconfirmed": not is_taken, "dropped": bool({"dropped", "void"} & notes)}
+        come_to["what was"] = "read_back" not in notes
+        answers = partial(is_answered, dialogue["robot"])
+        yield any(
+            come_to[each] if each in come_to else is_meant(text, each, found, view, settings.language, answers)
+            for each in expected.partition(",")[0].partition(" (")[0].split(" or ")
+        )
         if given and given[-1] in MODES:
             view = view._replace(mode=MODES[given[-1]], awaits_start=False)
             talk.on_status(view, 6.0 * at + 0.5)
@@ -144,6 +149,21 @@ def halves(who: str, kind: str) -> tuple[int, int]:
 def test_as_many_sentences_for_the_robots_are_read_right_as_before(who: str, kind: str) -> None:
     found = halves(who, kind)
     assert all(each >= least for each, least in zip(found, LEAST[who, kind], strict=True)), found
+
+
+ABOUTS = {"en": r"whether the ([a-z]+) (is) ([a-z]+)", "de": r"ob ((?:der|die|das) [^ ]+) ([^ ]+) (ist)"}
+ASKED = {"en": r"is the \1 \3?", "de": r"ist \1 \2?"}
+
+
+@pytest.mark.parametrize("name", [name for name in ROBOTS if name != "dialogues"])
+def test_a_key_is_asked_for_by_the_question_of_its_about(name: str) -> None:
+    settings, view = robot(name)
+    dialogue, code = Dialogue(settings, view), settings.language
+    for key in (each for each in view.keys.values() if re.fullmatch(ABOUTS[code], each.about)):
+        asked = re.sub(ABOUTS[code], ASKED[code], key.about)
+        found = dialogue.on_utterance(Utterance(asked, "operator", "terminal", "Eve", 9.0), view)
+        spoken = " ".join(each.text for each in found if isinstance(each, Speech))
+        assert is_answered(name, key.name, spoken), asked
 
 
 @pytest.mark.parametrize(("text", "is_offered"), [

@@ -10,6 +10,7 @@ import pytest
 from rai_missions.conversation import Dialogue, Order, Speech, Utterance
 from rai_missions.conversation.grammar.grammar import Grammar
 from rai_missions.conversation.grammar.senses import STOP
+from rai_missions.conversation.grammar.start_phrases import StartPhrases
 from rai_missions.conversation.language.language import language, languages
 from tests.conversation.stored import ASSISTING, PATROLLING, settings_in
 from tests.conversation.test_robots import robot
@@ -57,11 +58,11 @@ OTHERWISE = {
     "en": (
         "at the kitchen", "by the shop on your way", "when you reach the dock", "talking", "being silly", "for lunch",
         "signs are red", "motion films are great", "is a word", "means stop", "every five minutes", "me if you know it",
-        "he shouted", "or go?",
+        "he shouted", "or go?", "the world", "the rain from falling",
     ),
     "de": (
         "an der Tür", "neben dem Tisch", "wenn du den Becher siehst", "heißt anhalten", "Schilder sind rot",
-        "erst in der Küche", "die Zeit",
+        "erst in der Küche", "die Zeit", "mir die Welt",
     ),
 }  # fmt: skip
 HARM = {
@@ -216,3 +217,14 @@ def test_to_stop_what_the_robot_has_phrases_for_is_a_stop(name: str, text: str, 
     settings, view = robot(name)
     found = Dialogue(settings, view).on_utterance(Utterance(text, "person", "terminal", at=1.0), view)
     assert ("stop" in [each.name for each in found if isinstance(each, Order)]) == is_stop
+
+
+@pytest.mark.parametrize(("text", "is_typed", "stops"), [
+    ("look out for the cup", True, False), ("look out for the red cup", True, False),
+    ("look out for the cup!", True, True), ("look out for the cup", False, True),
+    ("look out for the dog", True, True), ("watch out for the cup", True, True),
+])  # fmt: skip
+def test_an_order_to_look_for_what_is_listed_is_no_warning(text: str, is_typed: bool, stops: bool) -> None:
+    settings = settings_in("en", {"find [the] {place}": {"task": "find"}}, {"cup": "cup"})
+    grammar = Grammar(language("en"), StartPhrases(settings.phrases, settings.names, language("en")))
+    assert (STOP in grammar.senses(text, ASSISTING, is_typed=is_typed)) == stops

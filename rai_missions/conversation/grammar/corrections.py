@@ -170,10 +170,20 @@ class Corrections:
             is_listed = self._phrases.choices(key.name) or key.type != "string"
             if is_listed and self._fits(bare, key, sense.arguments.get(key.name)):
                 return self._with(draft, {key.name: self._value(bare, key, sense.arguments.get(key.name))})
+        for key in (*named, *closed):
+            if (found := self._choice_in(bare, key)) is not None:
+                return self._with(draft, {key.name: found.value})
         texts = [key for key in named if key.type == "string" and not self._phrases.choices(key.name)]
         if len(texts) == 1 and bare == list(words) and len(bare) <= LONGEST and self._is_text(bare, texts[0], draft):
             return self._with(draft, {texts[0].name: self._value(bare, texts[0], sense.arguments.get(texts[0].name))})
         return self._fault(sense, bare, named)
+
+    def _choice_in(self, words: Sequence[str], key: KeyView) -> NamedPart | None:
+        """The one listed value whose name has each of the words: `east wing` of `the one in the east`."""
+        bare = {word for word in words if word not in self._around}
+        ways = self._phrases.named_values(key.name).items()
+        having = {str(value): NamedPart(key.name, value) for way, value in ways if bare and bare.issubset(way)}
+        return next(iter(having.values())) if len(having) == 1 else None
 
     def _is_text(self, words: Sequence[str], key: KeyView, draft: Draft) -> bool:
         """Whether words may be the text: they name a thing, and it is asked for, or marked as a correction."""
@@ -224,8 +234,15 @@ class Corrections:
         return mission.keys if mission is not None else {}
 
     def _value(self, words: Sequence[str], key: KeyView, before: Any = None) -> Any:
-        """The value of the words; a part of them may be as it was: `the blue one`, and `five` for `ward three`."""
-        is_substitute = len(words) > 1 and words[-1] in self._language.data["substitutes"]
+        """The value of the words; a part of them may be as it was: `the blue one`, and `five` for `ward three`.
+
+        A number may be an ordinal: `the third one`.
+        """
+        ordinals, substitutes = self._language.data["ordinals"], self._language.data["substitutes"]
+        first, *rest = self._language.without_articles(words) or [""]
+        if key.type == "integer" and len(first) > 1 and first in ordinals and set(rest) <= set(substitutes):
+            return self._phrases.value([str(ordinals[first])], key)
+        is_substitute = len(words) > 1 and words[-1] in substitutes
         listed = self._phrases.named_values(key.name)
         if is_substitute and isinstance(before, str) and before and not listed:
             words = [*words[:-1], before.split()[-1]]

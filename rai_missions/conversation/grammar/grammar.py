@@ -113,7 +113,9 @@ class Grammar:
         edges = self._edges(text, view, is_typed=is_typed) if is_open else []
         is_stop = any(sense.is_stop for sense in several)
         is_urgent = is_open and not is_stop
-        if is_urgent and (self._is_cried(text, words, edges, view) or self._is_stop_passed_on(words, view)):
+        if is_urgent and (
+            self._is_cried(text, words, edges, view, is_typed=is_typed) or self._is_stop_passed_on(words, view)
+        ):
             return (STOP,)
         if is_urgent and is_typed and self._is_alarmed(text, words, edges, view):
             return (STOP,)
@@ -217,13 +219,19 @@ class Grammar:
         is_pause = any(map(self.language.orders["pause"].fits, edges[:1]))
         return (Sense("order", "pause"),) if is_pause and not is_asked else ()
 
-    def _is_cried(self, text: str, words: list[str], edges: Sequence[list[str]], view: StatusView) -> bool:
+    def _is_cried(
+        self, text: str, words: list[str], edges: Sequence[list[str]], view: StatusView, *, is_typed: bool
+    ) -> bool:
         """Whether a stop is in it, or a warning: `stop, there is a child`; `stop stop you hit the cat`."""
         stop, first = self.language.orders["stop"], words[:1]
         is_again = words[1:2] == first and stop.fits(first)
         addressed = [each[1:] for each in edges if each[:1] and each[0] in self.language.data["addressed"]]
         heads = [self._ahead_of_reason(each) for each in edges if not text.rstrip().endswith("?")]
-        return is_again or any(map(stop.fits, (*edges, *heads, *addressed))) or self._warns(text, edges, view)
+        return (
+            is_again
+            or any(map(stop.fits, (*edges, *heads, *addressed)))
+            or self._warns(text, edges, view, is_typed=is_typed)
+        )
 
     def _is_alarmed(self, text: str, words: list[str], edges: Sequence[list[str]], view: StatusView) -> bool:
         """Whether what is typed cries of harm, has a short clause that begins with the word to stop, or turns to it."""
@@ -282,17 +290,26 @@ class Grammar:
         passed_on = (language.imperative(slots["order"].split()) for slots in relayed)
         return any(STOP in self.sentence.senses(order, view) for order in passed_on)
 
-    def _warns(self, text: str, edges: Sequence[list[str]], view: StatusView) -> bool:
-        """Whether it is a warning, `watch out, the dog!`, and does not announce what the person wants to express."""
+    def _warns(self, text: str, edges: Sequence[list[str]], view: StatusView, *, is_typed: bool) -> bool:
+        """Whether it is a warning, `watch out, the dog!`, and does not announce what the person wants to express.
+
+        What is typed without a cry, and orders to look for a thing that is listed, warns of nothing.
+        """
         normaliser, warnings = self.language.normaliser, self.language.warnings
         words = normaliser.bare(normaliser.words(text), called(view.robot))
-        if warnings["announcing"].fits(words):
+        is_search = is_typed and "!" not in text and self._orders_by_list(words, view)
+        if is_search or warnings["announcing"].fits(words):
             return False
         is_alone = len(normaliser.clauses(text)) == 1 and len(words) <= LONGEST_WARNING
         is_whole = is_alone and (
             warnings["whole"].fits(words) or (text.endswith("!") and warnings["cried"].fits(words))
         )
         return is_whole or any(map(warnings["alone"].fits, edges))
+
+    def _orders_by_list(self, words: Sequence[str], view: StatusView) -> bool:
+        """Whether words are a start whose values are all of a list: `look out for the cup`."""
+        start = self.sentence.start_in(words, view)
+        return start is not None and bool(start.named) and not self.sentence.open_texts(start)
 
     def _edges(self, text: str, view: StatusView, *, is_typed: bool) -> list[list[str]]:
         """The first clause and the last one, the last one after no condition; and each sentence of a few.

@@ -14,6 +14,7 @@ from rai_missions.planning.text.numbers import ordinal
 __all__ = (
     "NamedOption",
     "called",
+    "key_asked",
     "key_named",
     "key_within",
     "keys_about",
@@ -25,6 +26,10 @@ __all__ = (
 
 LONGEST_NAME = 3
 """Words of the longest name of a key that is looked for in a sentence."""
+SAME = 3
+"""First words of an `about` and of a question that is about the same: `how many people`."""
+LEAST_ASKED = 2
+"""Words with a meaning of the shortest question that asks what the `about` of a key does."""
 SHORTEST = 4
 """Letters of a word that alone may mean a key by its `about`."""
 MOST_ABOUT = 3
@@ -70,6 +75,30 @@ def key_named(words: Sequence[str], keys: Mapping[str, KeyView], language: Langu
     return about[0] if not within and len(about) == 1 else ""
 
 
+def key_asked(words: Sequence[str], keys: Mapping[str, KeyView], language: Language) -> str:
+    """The key whose `about` asks what the words ask; empty where none does, or several.
+
+    `how many panes are done` is of a key `how many panes are clean`, `is the pump on` of one `whether the pump is on`:
+    both ask in the same way, and each word that has a meaning is in the key's `about` or its name.
+
+    Args:
+        words: The words of a question.
+        keys: Those that there are, by name.
+        language: Whose words without a meaning, and for what is measured, count.
+    """
+    meant, bare = [each for word in words if (each := language.meanings(word))], language.without_articles(words)
+    found = list[str]()
+    for key in keys.values():
+        about = language.normaliser.words(key.about) if key.source != "argument" else []
+        is_either = about[:1] == [language.data["whether"]] and words[0] in (*language.data["auxiliaries"], about[-1])
+        known = set(map(language.singular, (*about, *spoken(key.name).split())))
+        is_in = len(meant) >= LEAST_ASKED and not any(map(known.isdisjoint, meant))
+        is_same = sorted(bare) == sorted(language.without_articles(about[is_either:]))
+        if (is_either or about[:1] == [words[0]]) and (is_in or is_same):
+            found.append(key.name)
+    return found[0] if len(found) == 1 else ""
+
+
 def key_within(words: Sequence[str], keys: Mapping[str, KeyView], language: Language) -> str:
     """The path of the key that some of the words are the whole name of, the longest name first; empty without one.
 
@@ -108,6 +137,11 @@ def keys_about(
             shared[key.name] = max(found, shared.get(key.name, found))
     most = max((count for count, _, _ in shared.values()), default=0)
     paths = [path for count, _, path in shared.values() if count == most > 0]
+    if not paths and not whole:  # `how many people swim`, of a key `how many people are in the water`
+        abouts = {
+            key.name: language.normaliser.words(key.about)[:SAME] for key in keys.values() if key.source == "robot"
+        }
+        paths = [name for name, about in abouts.items() if len(about) == SAME and about == list(words[:SAME])]
     return [] if len(paths) > MOST_ABOUT or (whole and most < len(meant)) else paths
 
 

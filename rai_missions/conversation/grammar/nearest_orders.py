@@ -3,7 +3,8 @@
 
 The values that a sentence names (a place, a thing, a time) decide which orders it may be, and the likeness of its other
 words to the phrases of each order which comes first. Each offer is a plain sentence, and means what the grammar reads.
-Rule: an offer is none of a statement, behind a condition, with a negation or with the words of others; it is read back.
+Rule: an offer is none of a statement, of another time, behind a condition, with a negation or the words of others; it
+is read back.
 """
 
 from __future__ import annotations
@@ -113,7 +114,8 @@ class NearestOrders:
         bare = [self._language.normaliser.bare(each) for each in clauses]
         free = {word for each in bare if not self._wanted(each) for word in each}  # `I can not find my keys`
         is_refused = self._unordered & free or any(map(self._language.excepting.within, bare))
-        if not is_short or is_refused or any(map(self._language.conditions.within, bare)):
+        is_of_then = self._language.other_times.within(words)
+        if not is_short or is_refused or is_of_then or any(map(self._language.conditions.within, bare)):
             return []
         both = zip(clauses, bare, strict=True)
         return [each for whole, each in both if each and (self._language.wish.fits(whole) or self._may_ask(each))]

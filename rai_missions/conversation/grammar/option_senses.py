@@ -66,6 +66,8 @@ class OptionSenses:
         sensed = [words for words in clauses if asked and not is_choice and any(self._advised(words))]
         own = dict(self._by_words(sensed or clauses, options))
         both = [] if is_choice else [each for each in asked if each.name in own]
+        whole = [each for each in options if each.name in own and self._own_words.has_all(own[each.name], each)]
+        both = both or (whole if len(whole) == 1 and not is_choice else [])  # `take the one in the east wing`
         asked = both or [each for each in options if each in asked or each.name in own]
         if is_choice and len(asked) == 1:
             return []  # the other one is not known

@@ -59,6 +59,11 @@ class OptionWords:
             if own and len(own) >= len(foreign):
                 yield offer
 
+    def has_all(self, clause: Sequence[str], offer: Offer) -> bool:
+        """Whether an option has each of the words with a meaning in a clause, and these are several."""
+        content = [word for word in clause if self._has_meaning(word)]
+        return len(content) > 1 and self._shared(content, clause, offer) == content
+
     def _shared(self, content: Sequence[str], clause: Sequence[str], offer: Offer) -> list[str]:
         """The words of a clause that an option has as well, or that are an amount of what it takes."""
         spans = (span for key in parameter_keys(offer) for span in amounts_in(clause, key, self._language))

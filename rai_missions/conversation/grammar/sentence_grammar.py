@@ -285,9 +285,10 @@ class SentenceGrammar:
         yield self._unnamed(bare, view)
         yield normaliser.bare(words, names, is_tail_first=True)
         yield from self._ungreeted(words)
-        yield from self._infinitive(words)
+        yield from self._infinitive(words, view)
         yield from normaliser.openings(words, names)
         yield from self._directed(words, view)
+        yield from self._counted(bare, view)
 
     def _polite(self, words: list[str], names: Sequence[str]) -> Iterator[list[str]]:
         """The order inside a polite sentence, in the form of an order: `go home` of `would you mind going home`."""
@@ -312,11 +313,20 @@ class SentenceGrammar:
                 forms = [[verb, *way] for verb in self.language.data["going_to"] for way in ways]
                 yield from (form for form in forms if self.start_in(form, view))
 
-    def _infinitive(self, words: list[str]) -> Iterator[list[str]]:
+    def _infinitive(self, words: list[str], view: StatusView) -> Iterator[list[str]]:
         """The order that ends with an infinitive, in languages that have such: `in die Küche fahren`; no statement."""
-        data, bare = self.language.data, self.language.normaliser.spoken(words)
+        data, bare = self.language.data, self.language.normaliser.bare(words, called(view.robot))
         if data["infinitive_orders"] and bare[-1:] != bare[:1] and not self._persons & set(bare):
-            yield self.language.imperative(bare)
+            yield self.language.imperative(self.language.normaliser.spoken(words))
+            forms = ([*verb, *bare[:-1]] for verb in self.language.verb_stems(bare[-1:]))
+            yield from (form for form in forms if self.start_in(form, view))
+
+    def _counted(self, words: list[str], view: StatusView) -> Iterator[list[str]]:
+        """The start whose number is ahead of its noun: `open the drawer 2` of `open the second drawer`."""
+        ordinals: Mapping[str, int] = self.language.data["ordinals"]
+        places = (at for at, word in enumerate(words[:-1]) if len(word) > 1 and ordinals.get(word, 0) > 0)
+        forms = ([*words[:at], words[at + 1], str(ordinals[words[at]]), *words[at + 2 :]] for at in places)
+        yield from (form for form in forms if self.start_in(form, view))
 
     def _indirect(self, words: list[str], view: StatusView, depth: int = MOST_NESTED) -> tuple[Sense, ...]:
         """The question inside another or with a tag: `where are you` of `I wonder where you are, roughly`.

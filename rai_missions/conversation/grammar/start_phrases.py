@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from rai_missions.conversation.grammar.arguments import BadValue, key_value
 from rai_missions.conversation.grammar.senses import Sense
 from rai_missions.conversation.language.language import Language, spoken
-from rai_missions.conversation.language.phrases import SLOT, AnyPhrase, Phrases, begun_of, example_of
+from rai_missions.conversation.language.phrases import SLOT, AnyPhrase, Phrases, example_of, without_slots
 from rai_missions.conversation.view import KeyView, MissionView
 from rai_missions.planning.text.normalise import NEAREST as LEAST_MENDED
 from rai_missions.planning.text.normalise import nearest
@@ -52,8 +52,8 @@ class CompiledPhrase(NamedTuple):
     """The phrases with the verb of its author alone, and no other of its sense."""
     words: frozenset[str]
     """Its own words around the values."""
-    begun: Phrases | None
-    """The phrases without the last value and the words ahead of it; None where there is one value alone."""
+    lacking: Mapping[str, Phrases]
+    """Argument → the phrases without its value."""
     keys: frozenset[str]
     """Every argument that it gives."""
     is_value: bool
@@ -102,6 +102,10 @@ class StartPhrases:
         spatial = language.spatial - frozenset(data["prepositions"])
         joints = frozenset([*data["order_joints"], language.text("or")])
         self._undecided = spatial | joints | frozenset(data["no_thing"]["any"])
+        no_value = "|".join(map(re.escape, sorted(language.articles.difference(data["numbers"]))))
+        self._free = rf"(?:(?:{no_value}) )*(?!(?:{no_value}) )\S+ (?:\S+ )*?"
+        """The regular expression of a value that is of no list: an article alone is none, unless it is a number."""
+        self._joining = language.spatial.union(language.articles, data["prepositions"], data["half_words"])
         self._joints = frozenset([*data["clause_joints"], *data["lead"]])
         self._ways = {
             argument: {way: value for name, value in choices.items() for way in self._ways_of(name)}
@@ -126,13 +130,14 @@ class StartPhrases:
         phrases = self._language.order_phrases([phrase])
         two = self._language.with_two_objects(phrase, self._names)
         receiver = SLOT.search(two[0]) if two else None
-        slots = self._listed(() if receiver is None else (receiver[1],))
+        slots = {**dict.fromkeys(phrases.slots, self._free), **self._listed(() if receiver is None else (receiver[1],))}
         each = [NOUN.sub(r"[\1] {\1}", one) for one in (phrase, *two)]
         listed = self._language.order_phrases(each, slots)
         keys, is_value = arguments_of(phrases.slots, arguments), example_of(phrase) == VALUE
         own, words = self._language.own_phrases([phrase]), frozenset(WORD.findall(SLOT.sub(" ", phrase)))
-        begun = self._language.order_phrases([part], slots) if (part := begun_of(phrase)) else None
-        return CompiledPhrase(phrases, listed, phrase, arguments, own, words, begun, keys, is_value)
+        parts = without_slots(phrase, self._joining) if not is_value else {}
+        lacking = {name: self._language.order_phrases(each, slots) for name, each in parts.items()}
+        return CompiledPhrase(phrases, listed, phrase, arguments, own, words, lacking, keys, is_value)
 
     def _listed(self, receivers: Collection[str]) -> Mapping[str, str]:
         """The regular expressions of the values that an argument lists, and of one who receives what has an article.
@@ -194,15 +199,16 @@ class StartPhrases:
         return self._fitting(words, missions, [each for each in self._each if is_one and not each.is_value], before)
 
     def incomplete(self, words: Sequence[str], missions: Sequence[MissionView]) -> Iterator[Sense]:
-        """The start whose last value the words lack, `escort the guest` of `escort {person} to {door}`, as a fault."""
+        """The start whose one value the words lack, `escort the guest` of `escort {person} to {door}`, as a fault."""
         for mission in missions:
             keys, texts = mission.keys, self._texts(mission.keys)
-            for each in (one for one in self._each if one.begun is not None and one.keys <= keys.keys()):
-                last = SLOT.findall(each.phrase)[-1]
-                for slots in each.begun.match(words) if each.begun is not None and last in keys else ():
-                    sense = self._start(mission, slots, each, ())
+            each = (one for one in self._each if one.keys <= keys.keys())
+            lacking = ((one, name, part) for one in each for name, part in one.lacking.items() if name in keys)
+            for one, name, part in lacking:
+                for slots in part.match(words):
+                    sense = self._start(mission, slots, one, ())
                     if sense.kind == "order" and texts.isdisjoint(slots):
-                        yield sense._replace(kind="fault", fault=self._asked_for(last), lacks=(last,))
+                        yield sense._replace(kind="fault", fault=self._asked_for(name), lacks=(name,))
                         return
 
     def _asked_for(self, argument: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from rai_missions.conversation.grammar.names import key_named, key_within
+from rai_missions.conversation.grammar.names import key_asked, key_named, key_within
 from rai_missions.conversation.grammar.senses import Sense
 from rai_missions.conversation.language.language import Language
 from rai_missions.conversation.view import StatusView
@@ -37,6 +37,8 @@ class StateQuestions:
         for own, path in self._own:
             if path.partition(".")[0] in view.keys and own.fits(words):
                 return Sense("question", "value", key=path)
+        if path := key_asked(words, view.keys, self._language):
+            return Sense("question", "key", key=path)
         read = (
             self._read(name, slots, words, view)
             for name, phrases in self._language.questions.items()

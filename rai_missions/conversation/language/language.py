@@ -76,6 +76,9 @@ class Language(LanguageTexts):
         verbs: Mapping[str, Sequence[str]] = data["verbs"]
         self.parts: Mapping[str, str] = parts_of(data["parts"], verbs)
         self._verb = re.compile(rf"(?<![\w{{<])({'|'.join(sorted(verbs, key=len, reverse=True))})(?![\w}}>])")
+        one_article = "|".join(map(re.escape, data["articles"]))
+        self._optional_article = re.compile(rf"\[(?:{one_article})(?:\|(?:{one_article}))*\]")
+        self._any_article = f"[{'|'.join(data['articles'])}]"
         self._two_objects = re.compile(
             r"(?P<verb>[^{}]*?\W)(?P<thing>(?:\[[^]{}]*\] )?\{\w+\})(?P<between>[^{}]*(?:\{\w+\}[^{}]*)??) "
             rf"(?:{'|'.join(data['two_objects']['joints'])}) (?P<receiver>(?:\[[^]{{}}]*\] )?\{{\w+\}})(?P<end>.*)"
@@ -103,7 +106,7 @@ class Language(LanguageTexts):
         self.option_senses, self.advising = self._named_phrases("option_senses"), self._phrases("advising")
         self.statement, self.wish = self._phrases("statement"), self._phrases("wish")
         self.conditions, self.wanted = self._phrases("conditions"), self._phrases("wanted")
-        self.excepting = self._phrases("excepting")
+        self.excepting, self.other_times = self._phrases("excepting"), self._phrases("other_times")
         self._stating = frozenset(self.parts["verb"].split("|"))
         self._no_order_after, self._quoting = frozenset(data["no_order_after"]), frozenset(data["quoting"])
         names = ("order_joints", "reversing_joints", "before_openings")
@@ -252,9 +255,12 @@ class Language(LanguageTexts):
         return self.examples(self._with_verbs(phrase)[-1])
 
     def _with_verbs(self, phrase: str) -> list[str]:
-        """The phrase with each verb around its object; then with the others of its sense, each preposition written."""
+        """The phrase with each verb around its object; then with the others of its sense, each preposition written.
+
+        An article that may be left out is any article: `[die] {plant}` has `den Salat`, too.
+        """
         forms: Mapping[str, str] = self.data["prepositions_written"]
-        own = self._own(phrase)
+        own = self._optional_article.sub(self._any_article, self._own(phrase))
         verb = self._verb.match(own)
         ways = around_object(self.data["verbs"][verb[0]], own[verb.end() :]) if verb else []
         ways.append(self._verb.sub(lambda found: f"<{part_of_verb(found[0])}>", own))

@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import re
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 
 from rai_missions.errors import UsageError
 
 __all__ = (
-    "AROUND", "NO_SLOTS", "SLOT", "AnyPhrase", "Phrases", "around_object", "begun_of", "example_of", "examples_of",
-    "in_one_piece", "part_of_verb", "parts_of", "slots_of",
+    "AROUND", "NO_SLOTS", "SLOT", "AnyPhrase", "Phrases", "around_object", "example_of", "examples_of", "in_one_piece",
+    "part_of_verb", "parts_of", "slots_of", "without_slots",
 )  # fmt: skip
 
 ATOM = re.compile(r"[()\[\]|*$]|\{(\w+)\}|<(\w+)>|[^\s()\[\]|{}<>*$]+")
@@ -94,6 +94,8 @@ def _malformed(phrase: str) -> str:
     return next((f"has {{{each}}} twice; keep one" for each in slots if slots.count(each) > 1), "")
 
 
+LAST_ATOM = re.compile(r"(?:\[[^\[\]]*\]|\([^()]*\)|[^\s()\[\]{}]+)$")
+"""The last word of a phrase, or group of words."""
 LEFT_OUT = re.compile(r"\[[^()\[\]]*\]|<\w+>|\$")
 ONE_OF = re.compile(r"\(([^()\[\]|]*)[^()\[\]]*\)")
 
@@ -127,10 +129,30 @@ def around_object(forms: Iterable[str], rest: str) -> list[str]:
     return [f"{begin} {rest[:end]} {last} {rest[end:]}" for begin, last in pieces for end in ends]
 
 
-def begun_of(phrase: str) -> str:
-    """A phrase up to its last slot but one: `escort {person}` of `escort {person} to {door}`; empty for none."""
-    *_, last, _ = [0, 0, *(slot.end() for slot in SLOT.finditer(phrase))]
-    return phrase[:last] if last and not _malformed(phrase[:last]) else ""
+def without_slots(phrase: str, joining: Collection[str]) -> dict[str, list[str]]:
+    """The slots that a phrase needs → the phrase without each: `escort {person}` of `escort {person} to {door}`.
+
+    What joins a slot to the words ahead is left out as well, `give a tour` of `give a tour of {minutes}`; with the last
+    slot, so is all behind the one before it.
+
+    Args:
+        phrase: As the module's docstring has it.
+        joining: Words without a meaning of their own that may be ahead of a slot, as prepositions and articles.
+    """
+    found, slots = dict[str, list[str]](), list(SLOT.finditer(phrase))
+    for slot, before in zip(slots, [None, *slots], strict=False):
+        begin = phrase[: slot.start()].rstrip()
+        while (ahead := LAST_ATOM.search(begin)) and _joins(ahead[0], joining):
+            begin = begin[: ahead.start()].rstrip()
+        parts = [f"{begin}{phrase[slot.end() :]}"] if begin and not SLOT.match(begin) else []
+        parts += [phrase[: before.end()]] if before is not None and slot is slots[-1] else []
+        found[slot[1]] = [part for part in dict.fromkeys(parts) if not _malformed(part)]
+    return {name: parts for name, parts in found.items() if parts}
+
+
+def _joins(atom: str, joining: Collection[str]) -> bool:
+    """Whether an atom ahead of a slot may be left out with it: what is in brackets, or words that join."""
+    return atom.startswith("[") or set(re.findall(r"[^\s()|]+", atom)) <= set(joining)
 
 
 def example_of(phrase: str) -> str:
