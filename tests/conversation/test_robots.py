@@ -108,7 +108,7 @@ LEAST = {
     ("third", "orders"): (25, 26), ("third", "questions"): (22, 23), ("third", "answers"): (50, 42),
     ("third", "stops"): (18, 18), ("third", "harmless"): (30, 28), ("third", "dialogues"): (50, 47),
     ("fourth", "orders"): (46, 38), ("fourth", "questions"): (48, 40), ("fourth", "answers"): (28, 23),
-    ("fourth", "stops"): (18, 12), ("fourth", "harmless"): (28, 28), ("fourth", "dialogues"): (115, 107),
+    ("fourth", "stops"): (18, 12), ("fourth", "harmless"): (28, 28), ("fourth", "dialogues"): (114, 107),
 }  # fmt: skip
 """Those that are read right, of the half that was read and of the other."""
 

@@ -106,18 +106,25 @@ class SentenceGrammar:
     def _unsure(self, senses: tuple[Sense, ...], words: list[str], view: StatusView) -> tuple[Sense, ...]:
         """The senses of which the words leave doubt are partial: of `first, second`, of `yes, I suppose`.
 
-        So is a greeting to another, and a yes that has a no: `never mind, okay`.
+        So is a greeting to another.
         """
-        if any(each.kind == "yes" for each in senses):
-            is_doubtful = self.language.doubting.within(words) or self.language.no.within(words)
-            return tuple(each._replace(is_partial=is_doubtful) if each.kind == "yes" else each for each in senses)
         if any(each.kind == "question" and each.name in POLITE for each in senses):
             return tuple(each._replace(is_partial=self._greets_another(words, view)) for each in senses)
         ordinals = self.language.data["ordinals"]
         places = {ordinals[word] for word in words if word in ordinals and len(word) > 1}  # "a" is an article too
-        if len(places) < 2:
-            return senses
-        return tuple(each._replace(is_partial=True) if each.option else each for each in senses)
+        is_open = len(places) > 1 or self.language.doubting.within(words)
+        is_doubtful = (
+            is_open if each.option else each.kind == "yes" and (is_open or not self._agrees(words, view))
+            for each in senses
+        )
+        both = zip(senses, is_doubtful, strict=True)
+        return tuple(each._replace(is_partial=True) if doubtful else each for each, doubtful in both)
+
+    def _agrees(self, words: list[str], view: StatusView) -> bool:
+        """Whether words are a yes but for politeness, and have no refusal: `never mind, okay`, `perfect, hardly`."""
+        normaliser, names = self.language.normaliser, called(view.robot)
+        forms = (words, *(normaliser.bare(words, names, is_tail_first=each) for each in (False, True)))
+        return any(map(self.language.yes.fits, forms)) and not self.language.no.within(words)
 
     def _first(self, words: list[str], bare: list[str], view: StatusView, draft: Draft | None) -> tuple[Sense, ...]:
         """What the likeliest form of a sentence means that means something."""
