@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A yes with a doubt in it, in any of its forms, confirms nothing; one without does."""
+"""A yes with a doubt in it, in any of its forms, confirms nothing; one without does. Nor do the words of others."""
 
 from __future__ import annotations
 
@@ -79,3 +79,11 @@ def test_a_doubtful_answer_has_the_order_read_back_again(code: str) -> None:
 @pytest.mark.parametrize("code", GO)
 def test_a_certain_yes_confirms(code: str) -> None:
     assert [each for each in SURE[code] if not came_of(each, code)[0]] == []
+
+
+@pytest.mark.parametrize(("code", "order"), [("en", "keep going"), ("de", "weiter")])
+def test_a_resume_in_the_words_of_another_person_resumes_nothing(code: str, order: str) -> None:
+    grammar, view = Grammar(language(code)), ASSISTING._replace(mode="paused")
+    others = {"en": "he wrote", "de": "sagte Mila"}[code]
+    assert Sense("order", "resume") in grammar.senses(order, view)
+    assert Sense("order", "resume") not in grammar.senses(f"{order}, {others}", view)

@@ -192,15 +192,20 @@ class SentenceReader:
 
     def _decides(self, utterance: Utterance, each: Sequence[Sequence[Sense]]) -> bool:
         """Whether it is a yes or a no to what was read back, and so has been handled."""
-        meant = next((sense for sense in each[0] if sense.kind in DECISIONS), None)
+        hesitating = [Sense("yes", is_partial=True)] if self._hesitates(utterance.text) else []
+        meant = next((sense for sense in (*each[0], *hesitating) if sense.kind in DECISIONS), None)
         if meant is None or self._orders.confirmation.order is None:
             return False
         alike = [[sense for sense in others if sense.kind == meant.kind] for others in each]
-        is_doubtful = any(sense.is_partial for senses in alike for sense in senses)
+        is_doubtful = meant.is_partial or any(sense.is_partial for senses in alike for sense in senses)
         self._decide(
             utterance, is_yes=meant.kind == "yes", is_agreed=len(each) > 1 and all(alike), is_doubtful=is_doubtful
         )
         return True
+
+    def _hesitates(self, text: str) -> bool:
+        """Whether a sentence is a doubt alone: `I think so`."""
+        return self._talk.language.hesitating.fits(self._talk.language.normaliser.words(text))
 
     def _withdraws(self, utterance: Utterance, each: Sequence[Sequence[Sense]]) -> bool:
         """Whether a request is wanted no more: `forget the lobby`; `forget that` is the one it has just ordered."""

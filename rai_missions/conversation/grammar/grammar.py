@@ -293,11 +293,12 @@ class Grammar:
     def _warns(self, text: str, edges: Sequence[list[str]], view: StatusView, *, is_typed: bool) -> bool:
         """Whether it is a warning, `watch out, the dog!`, and does not announce what the person wants to express.
 
-        What is typed without a cry, and orders to look for a thing that is listed, warns of nothing.
+        What is typed without a cry, and names a listed thing to look out for, warns of nothing.
         """
         normaliser, warnings = self.language.normaliser, self.language.warnings
         words = normaliser.bare(normaliser.words(text), called(view.robot))
-        is_search = is_typed and "!" not in text and self._orders_by_list(words, view)
+        is_named = is_typed and "!" not in text and any(True for _ in self.sentence.places_in([words]))
+        is_search = is_named and warnings["searching"].fits(words)
         if is_search or warnings["announcing"].fits(words):
             return False
         is_alone = len(normaliser.clauses(text)) == 1 and len(words) <= LONGEST_WARNING
@@ -305,11 +306,6 @@ class Grammar:
             warnings["whole"].fits(words) or (text.endswith("!") and warnings["cried"].fits(words))
         )
         return is_whole or any(map(warnings["alone"].fits, edges))
-
-    def _orders_by_list(self, words: Sequence[str], view: StatusView) -> bool:
-        """Whether words are a start whose values are all of a list: `look out for the cup`."""
-        start = self.sentence.start_in(words, view)
-        return start is not None and bool(start.named) and not self.sentence.open_texts(start)
 
     def _edges(self, text: str, view: StatusView, *, is_typed: bool) -> list[list[str]]:
         """The first clause and the last one, the last one after no condition; and each sentence of a few.

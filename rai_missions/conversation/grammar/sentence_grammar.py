@@ -58,11 +58,14 @@ class SentenceGrammar:
         self._corrections = Corrections(language, self._phrases)
         self.options, self._starts = OptionAnswers(language), MissionStarts(language, self._phrases)
         self.questions = StateQuestions(language, questions)
-        pronouns = frozenset(language.data["pronouns"])
-        self._things = frozenset(language.data["thing_pronouns"])
+        data = language.data
+        self._quoting, self._informing = frozenset(data["quoting"]), frozenset([*data["speaking"], *data["addressed"]])
+        """Words that report those of others, and who may report their own: `as I wrote`."""
+        pronouns = frozenset(data["pronouns"])
+        self._things = frozenset(data["thing_pronouns"])
         self._undecided = language.negations | {language.text("or")}
         self._subjects = pronouns - self._things
-        self._there = sorted((each.split() for each in language.data["there"]), key=len, reverse=True)
+        self._there = sorted((each.split() for each in data["there"]), key=len, reverse=True)
         self._ends_of_there = frozenset(each[-1] for each in self._there)
         self._referring = self._things | self._ends_of_there | (pronouns & language.articles)
         """Words of which one is in each sentence that is about what was named before."""
@@ -112,7 +115,8 @@ class SentenceGrammar:
             return tuple(each._replace(is_partial=self._greets_another(words, view)) for each in senses)
         ordinals = self.language.data["ordinals"]
         places = {ordinals[word] for word in words if word in ordinals and len(word) > 1}  # "a" is an article too
-        is_open = len(places) > 1 or self.language.doubting.within(words)
+        is_asked = words[0] in self.language.data["asking"] and words[0] not in self.language.data["requesting"]
+        is_open = len(places) > 1 or is_asked or self.language.doubting.within(words)
         is_doubtful = (
             is_open if each.option else each.kind == "yes" and (is_open or not self._agrees(words, view))
             for each in senses
@@ -156,8 +160,11 @@ class SentenceGrammar:
     def orders(self, words: list[str], view: StatusView) -> list[Sense]:
         """The orders of the language that words are.
 
-        What may start as well as resume, `off you go`, resumes a run that has begun, and starts one that has not.
+        What may start as well as resume, `off you go`, resumes a run that has begun, and starts one that has not. Words
+        of others order nothing: `keep going, he wrote`.
         """
+        if not self._quoting.isdisjoint(words) and self._informing.isdisjoint(words):
+            return []
         found = [Sense("order", name) for name, each in self.language.orders.items() if each.fits(words)]
         starts = self._starts.senses(words, view) if self.language.start.fits(words) else []
         if Sense("order", "resume") in found and view.is_alive and not view.is_before_start:
@@ -287,7 +294,7 @@ class SentenceGrammar:
         normaliser, names = self.language.normaliser, called(view.robot)
         yield from self._verb_behind(words, view)
         yield bare
-        yield from self._polite(words, names)
+        yield from self._polite(words, view)
         yield words
         yield self._unnamed(bare, view)
         yield normaliser.bare(words, names, is_tail_first=True)
@@ -297,11 +304,12 @@ class SentenceGrammar:
         yield from self._directed(words, view)
         yield from self._counted(bare, view)
 
-    def _polite(self, words: list[str], names: Sequence[str]) -> Iterator[list[str]]:
+    def _polite(self, words: list[str], view: StatusView) -> Iterator[list[str]]:
         """The order inside a polite sentence, in the form of an order: `go home` of `would you mind going home`."""
+        names = called(view.robot)
         for opening in self.language.normaliser.openings(words, names):
             for slots in self.language.polite.match(opening):
-                yield self.language.imperative(self.language.normaliser.bare(slots["order"].split(), names))
+                yield from self._imperatives(self.language.normaliser.bare(slots["order"].split(), names), view)
 
     def _verb_behind(self, words: list[str], view: StatusView) -> Iterator[list[str]]:
         """The start whose verb is behind its thing: `wipe the hob` of `give the hob a wipe`, `the hob needs wiping`."""
@@ -322,10 +330,15 @@ class SentenceGrammar:
 
     def _infinitive(self, words: list[str], view: StatusView) -> Iterator[list[str]]:
         """The order that ends with an infinitive, in languages that have such: `in die Küche fahren`; no statement."""
-        data, bare = self.language.data, self.language.normaliser.bare(words, called(view.robot))
-        if data["infinitive_orders"] and bare[-1:] != bare[:1] and not self._persons & set(bare):
-            yield self.language.imperative(self.language.normaliser.spoken(words))
-            forms = ([*verb, *bare[:-1]] for verb in self.language.verb_stems(bare[-1:]))
+        bare = self.language.normaliser.spoken(words)
+        if self.language.data["infinitive_orders"] and bare[-1:] != bare[:1] and not self._persons & set(bare):
+            yield from self._imperatives(bare, view)
+
+    def _imperatives(self, words: list[str], view: StatusView) -> Iterator[list[str]]:
+        """An order whose verb has another form, as it is in an order; the verb may be one of the robot's phrases."""
+        yield self.language.imperative(words)
+        if self.language.data["infinitive_orders"]:
+            forms = ([*verb, *words[:-1]] for verb in self.language.verb_stems(words[-1:]))
             yield from (form for form in forms if self.start_in(form, view))
 
     def _counted(self, words: list[str], view: StatusView) -> Iterator[list[str]]:

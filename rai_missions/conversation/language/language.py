@@ -90,7 +90,7 @@ class Language(LanguageTexts):
         self.any_order = AnyPhrase(each.pattern for each in self.orders.values())
         """The phrases of all orders."""
         self.yes, self.no, self.quiet, self.withdraw = map(self._phrases, ("yes", "no", "quiet", "withdraw"))
-        self.doubting = self._phrases("doubting")
+        self.hesitating, self.doubting = self._phrases("hesitating"), self._phrases("doubting")
         """What leaves it open whether a yes is one: `I suppose`, `later`."""
         self.again, self.other, self.forgetting = map(self._phrases, ("again", "other", "forgetting"))
         self.correction, self.rejected = self._phrases("correction"), self._phrases("rejected")

@@ -133,7 +133,7 @@ def without_slots(phrase: str, joining: Collection[str]) -> dict[str, list[str]]
     """The slots that a phrase needs → the phrase without each: `escort {person}` of `escort {person} to {door}`.
 
     What joins a slot to the words ahead is left out as well, `give a tour` of `give a tour of {minutes}`; with the last
-    slot, so is all behind the one before it.
+    slot, so is all behind the one before it. A verb alone lacks nothing: `look for`.
 
     Args:
         phrase: As the module's docstring has it.
@@ -146,8 +146,14 @@ def without_slots(phrase: str, joining: Collection[str]) -> dict[str, list[str]]
             begin = begin[: ahead.start()].rstrip()
         parts = [f"{begin}{phrase[slot.end() :]}"] if begin and not SLOT.match(begin) else []
         parts += [phrase[: before.end()]] if before is not None and slot is slots[-1] else []
-        found[slot[1]] = [part for part in dict.fromkeys(parts) if not _malformed(part)]
+        found[slot[1]] = [part for part in dict.fromkeys(parts) if not _malformed(part) and _has_object(part, joining)]
     return {name: parts for name, parts in found.items() if parts}
+
+
+def _has_object(phrase: str, joining: Collection[str]) -> bool:
+    """Whether a phrase has more than a verb: a slot, or another word with a meaning of its own."""
+    words = [word for word in example_of(phrase).split() if word not in joining]
+    return SLOT.search(phrase) is not None or len(words) > 1
 
 
 def _joins(atom: str, joining: Collection[str]) -> bool:
