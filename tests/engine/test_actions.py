@@ -219,7 +219,7 @@ def test_kill_stops_every_goal_accepted_or_not() -> None:
     assert (step.outcome, step.why, made.holder) == ("aborted", "e-stop by button", "nobody")
 
 
-@pytest.mark.parametrize("end", ["canceled", "succeeded"])
+@pytest.mark.parametrize("end", ["canceled", "failed"])
 def test_pause_cancels_the_goal_and_resume_starts_it_again_with_the_time_that_was_left(end: str) -> None:
     made, number = started(driving(timeout_s=10))
     reports(made, "accepted", number, at=1.0)
@@ -228,6 +228,67 @@ def test_pause_cancels_the_goal_and_resume_starts_it_again_with_the_time_that_wa
     assert ticked(made, 500.0).moves == ()
     step = made.send(Event("resume", 1000.0, {}, "command"))
     assert starts(step) and step.wake_at == 1006.0
+
+
+def put_down(made: Chart, word: str, at: float) -> Step:
+    """A pause, or the operator takes control: what runs is to end."""
+    return made.send(Event("pause", at, {}, "command") if word == "pause" else control("operator", at))
+
+
+def picked_up(made: Chart, word: str, at: float) -> Step:
+    """The same is over."""
+    return made.send(Event("resume", at, {}, "command") if word == "pause" else control("autonomy", at))
+
+
+def control(holder: str, at: float) -> Event:
+    return Event(holder, at, {"role": "operator", "by": "operator"}, "control")
+
+
+STOPS = pytest.mark.parametrize("word", ["pause", "control"])
+
+
+@STOPS
+def test_a_goal_that_succeeds_while_its_cancel_is_under_way_is_not_done_once_more(word: str) -> None:
+    made, number = started(driving(control="autonomy"))
+    reports(made, "accepted", number, at=1.0)
+    assert cancels(put_down(made, word, 4.0)) == [number]
+    assert reports(made, "succeeded", number, at=5.0).moves == ()
+    assert made.awaited_goals == 0 and not ticked(made, 500.0).moves
+    step = picked_up(made, word, 1000.0)
+    assert not starts(step) and step.entered == ("done",)
+
+
+@STOPS
+@pytest.mark.parametrize("end", ["canceled", "succeeded"])
+def test_what_continues_before_its_goal_has_ended_waits_how_it_ends(word: str, end: str) -> None:
+    made, number = started(driving(control="autonomy"))
+    reports(made, "accepted", number, at=1.0)
+    put_down(made, word, 2.0)
+    assert not starts(picked_up(made, word, 3.0)), "the robot still does it"
+    step = reports(made, end, number, at=4.0)
+    assert (step.entered == ("done",), len(starts(step))) == (end == "succeeded", int(end == "canceled"))
+
+
+@STOPS
+def test_facts_that_a_result_waits_for_have_their_whole_time_after_a_pause(word: str) -> None:
+    given = driving(control="autonomy", achieved={"key": "there", "==": True}, settle_s=10)
+    made, number = started(given, blackboard=BOARD)
+    reports(made, "accepted", number, at=1.0)
+    reports(made, "succeeded", number, at=2.0)
+    assert not cancels(put_down(made, word, 3.0)), "its server has ended it"
+    step = picked_up(made, word, 1000.0)
+    assert not starts(step) and step.wake_at == 1010.0
+    assert made.write("there", True, at=1001.0).entered == ("done",)
+
+
+@STOPS
+def test_a_state_that_is_left_while_it_is_stopped_forgets_that_its_goal_succeeded(word: str) -> None:
+    made, number = started(driving(control="autonomy", timeout_s=10))
+    reports(made, "accepted", number, at=1.0)
+    put_down(made, word, 2.0)
+    reports(made, "succeeded", number, at=3.0)
+    made.send(Event("cancel", 4.0, {}, "command"))
+    assert made.outcome == "canceled" and made.awaited_goals == 0
 
 
 def test_events_wait_while_the_mission_is_paused() -> None:

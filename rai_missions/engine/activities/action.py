@@ -38,12 +38,19 @@ GOAL_ENDS = ("succeeded", "failed", "canceled", "rejected")
 class GoalActivity(NamedTuple):
     """How far a goal has come."""
 
-    phase: Literal["waiting", "sent", "running", "settling"]
-    """`waiting` for resources, `sent`, `running` once accepted, `settling` once its server reported `succeeded`."""
+    phase: Literal["waiting", "sent", "running", "settling", "stopped", "done", "again"]
+    """`waiting` for resources, `sent`, `running` once accepted, `settling` once its server reported `succeeded`.
+
+    In a pause `stopped`: its end is asked for; `done`: it has succeeded all the same. After it `again`: `waiting`, for
+    that end too.
+    """
     number: int = 0
     until: float = math.inf
     """When settling is over."""
     result: Mapping[str, Any] = {}
+
+
+WAITING = GoalActivity("waiting")
 
 
 class GoalMachine(Machine):
@@ -77,7 +84,7 @@ class GoalMachine(Machine):
         self.composed_reads, self.composed_instants = composed.watched, tuple(composed.instants)
 
     def begin(self, host: ActivityHost) -> Turn:
-        return self._start(host) or Turn(GoalActivity("waiting"))
+        return self._start(host) or Turn(WAITING)
 
     def _start(self, host: ActivityHost) -> Turn | None:
         obstruction = host.obstruction(self.definition.action)
@@ -95,8 +102,10 @@ class GoalMachine(Machine):
     def receive(self, state: GoalActivity, event: Event, host: ActivityHost) -> Turn | None:
         if event.kind == "tick":
             return self._look(state, host)
-        if event.number != state.number or not state.number or state.phase == "settling":
+        if event.number != state.number or not state.number or state.phase in ("settling", "done"):
             return None
+        if state.phase in ("stopped", "again"):
+            return self._succeed_late(state, event, host)
         if event.kind == "accepted":
             return self._look(state._replace(phase="running"), host) or Turn(state._replace(phase="running"))
         if event.kind != "result":
@@ -108,9 +117,18 @@ class GoalMachine(Machine):
             return Turn(None, outcome=Outcome("failed", dict(event.data), why))
         return Turn(None, outcome=Outcome(event.name, dict(event.data), str(event.data.get("why", ""))))
 
+    def _succeed_late(self, state: GoalActivity, event: Event, host: ActivityHost) -> Turn | None:
+        """A goal whose end was asked for has ended: if it succeeded, it is not done once more."""
+        if event.kind != "result":
+            return None
+        if event.name != "succeeded":
+            return Turn(None) if state.phase == "stopped" else self.begin(host)
+        done = state._replace(phase="done", result=dict(event.data))
+        return Turn(done) if state.phase == "stopped" else self._settle(done, host)
+
     def _look(self, state: GoalActivity, host: ActivityHost) -> Turn | None:
         """Time has passed or a key has changed."""
-        if state.phase == "waiting":
+        if state.phase in ("waiting", "again"):
             return self._start(host)
         if state.phase == "settling":
             return self._settled(state, host)
@@ -147,6 +165,21 @@ class GoalMachine(Machine):
         runs = state.phase in ("sent", "running")
         return Turn(None, (CancelGoal(state.number, self.definition.action),) if runs else ())
 
+    def stop(self, state: GoalActivity, host: ActivityHost) -> Turn:
+        if not state.number:
+            return Turn(None)
+        phase: Literal["stopped", "done"] = "done" if state.phase == "settling" else "stopped"
+        return Turn(state._replace(phase=phase, until=math.inf), self.leave(state, host).effects)
+
+    def is_stopped(self, state: GoalActivity) -> bool:
+        return state.phase in ("stopped", "done")
+
+    def begin_again(self, state: GoalActivity, host: ActivityHost) -> Turn:
+        if state.phase == "done":
+            return self._settle(state, host)
+        turn = self.begin(host)
+        return turn if turn.state != WAITING else Turn(state._replace(phase="again"))
+
     def wake_at(self, state: GoalActivity, view: View) -> float:
         instants: tuple[Instant, ...] = ()
         if state.phase == "settling":
@@ -159,14 +192,14 @@ class GoalMachine(Machine):
         return min([state.until, *later])
 
     def reads(self, state: GoalActivity) -> frozenset[str]:
-        if state.phase == "waiting":
+        if state.phase in ("waiting", "again"):
             return ITS_TURN
         if state.phase == "settling":
             return self.settling_reads
         return self.composed_reads if state.phase == "running" else NO_KEYS
 
     def awaits(self, state: GoalActivity) -> frozenset[int]:
-        return frozenset({state.number} - {0})
+        return frozenset({state.number} - {0}) if state.phase in ("sent", "running", "settling") else frozenset()
 
     def shift(self, state: GoalActivity, by_s: float) -> GoalActivity:
         return state._replace(until=state.until + by_s)

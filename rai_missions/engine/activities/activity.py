@@ -36,6 +36,7 @@ __all__ = (
     "remembered",
     "remembered_kinds",
     "result_writes",
+    "stopped",
     "watches",
 )  # fmt: skip
 
@@ -128,8 +129,23 @@ class Machine(ABC):
         """
 
     def leave(self, state: Any, host: ActivityHost) -> Turn:
-        """The state is left, paused or out of time: end what runs."""
+        """The state is left or out of time: end what runs."""
         return Turn(None)
+
+    def stop(self, state: Any, host: ActivityHost) -> Turn:
+        """The mission is paused, or control is elsewhere: end what runs; it begins again later.
+
+        Where the turn has a state, that is what is remembered until then, and `is_stopped`.
+        """
+        return self.leave(state, host)
+
+    def is_stopped(self, state: Any) -> bool:
+        """Whether this is what `stop` left: it receives reports, and looks at nothing."""
+        return False
+
+    def begin_again(self, state: Any, host: ActivityHost) -> Turn:
+        """Start once more, from the state that `stop` left; one that remembers nothing begins by `begin`."""
+        return Turn(state)
 
     def wake_at(self, state: Any, view: View) -> float:
         """The next instant at which a `tick` may change something; infinity for none."""
@@ -173,6 +189,11 @@ class Bench(NamedTuple):
 def watches(machine: Any, state: Any, names: Collection[str]) -> bool:
     """Whether a machine wants to be notified of one of these; one of another package need only have `reads`."""
     return machine.watches(state, names) if isinstance(machine, Machine) else concerns(machine.reads(state), names)
+
+
+def stopped(machine: Any, state: Any, host: ActivityHost) -> Turn:
+    """What a machine makes of a pause; one of another package need only have `leave`."""
+    return machine.stop(state, host) if isinstance(machine, Machine) else machine.leave(state, host)
 
 
 @singledispatch

@@ -18,7 +18,7 @@ from rai_missions.engine.modes import refusal
 from rai_missions.engine.semantics.blackboard import known, note_news
 from rai_missions.engine.semantics.completion import end, kill
 from rai_missions.engine.semantics.handover import ask_back, interrupt
-from rai_missions.engine.semantics.hold import awake, held_controls, holder_of, is_held, run_at
+from rai_missions.engine.semantics.hold import awake, held_controls, holder_of, is_held, run_at, runs
 from rai_missions.engine.semantics.macrostep import check_stopped, complete, make_move
 from rai_missions.engine.semantics.reports import handle_late
 from rai_missions.engine.semantics.running import poll
@@ -114,7 +114,7 @@ def _resume(program: Program, state: RunState) -> None:
     draft.starting += [nodes[name] for name in state.paused_starts]
     for name in [name for name in state.awaiting_control if nodes[name].control == holder_of(program, state)]:
         del state.awaiting_control[name]
-        draft.starting += [nodes[name]] if name not in state.running else []
+        draft.starting += [] if runs(program, state, name) else [nodes[name]]
     events, state.paused_events, state.paused_starts = state.paused_events, (), ()
     draft.due |= frozenset(state.running)  # each may have read what has changed since
     draft.unseen |= draft.due

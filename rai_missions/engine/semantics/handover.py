@@ -8,10 +8,10 @@ from collections.abc import Container
 
 from rai_missions.engine.compiled.program import Program
 from rai_missions.engine.compiled.states import CompiledState
-from rai_missions.engine.semantics.hold import held_by, held_controls, holder_of, is_held, run_at
+from rai_missions.engine.semantics.hold import held_by, held_controls, holder_of, is_held, run_at, runs
 from rai_missions.engine.semantics.macrostep import complete
 from rai_missions.engine.semantics.reports import handle_late
-from rai_missions.engine.semantics.running import begin, leave_activity, request_control
+from rai_missions.engine.semantics.running import begin, request_control, stop_activity
 from rai_missions.engine.semantics.stopped_time import give_time_back
 from rai_missions.engine.state import RunState, refuse
 from rai_missions.engine.step import Handover, control_note
@@ -42,8 +42,8 @@ def receive_control(program: Program, state: RunState, event: Event) -> None:
 def _change_hands(program: Program, state: RunState) -> None:
     nodes, held, was = program.graph.nodes, held_controls(program, state), frozenset(state.frozen)
     freed = was - held
-    for name in [name for name in state.running if _is_lost(state, nodes[name], held | freed)]:
-        leave_activity(program, state, nodes[name])
+    for name in [name for name in state.running if _is_lost(program, state, nodes[name], held | freed)]:
+        stop_activity(program, state, nodes[name])
         state.awaiting_control[name] = math.inf
         state.draft.notes.append(f"{name} waits until control is with {nodes[name].control} again")
     if freed:
@@ -62,14 +62,15 @@ def _change_hands(program: Program, state: RunState) -> None:
             handle_late(program, state, event)
 
 
-def _is_lost(state: RunState, node: CompiledState, waiting: Container[str]) -> bool:
+def _is_lost(program: Program, state: RunState, node: CompiledState, waiting: Container[str]) -> bool:
     """What runs there has lost control, and neither waits for the hand-back nor continues by it."""
-    return node.control is not None and node.control != state.holder and node.control not in waiting
+    is_elsewhere = node.control is not None and node.control != state.holder and node.control not in waiting
+    return is_elsewhere and runs(program, state, node.name)
 
 
 def _get_control(program: Program, state: RunState, name: str) -> None:
     """What waits for control has it."""
-    if state.awaiting_control.pop(name, None) is not None and name not in state.running:
+    if state.awaiting_control.pop(name, None) is not None and not runs(program, state, name):
         begin(program, state, program.graph.nodes[name])
 
 
@@ -113,7 +114,9 @@ def interrupt(program: Program, state: RunState, node: CompiledState, *, keeps: 
     """
     if node.state is None or not node.state.yields or (keeps and is_kept(program, node)):
         return False
-    leave_activity(program, state, node)
+    if not runs(program, state, node.name):
+        return False
+    stop_activity(program, state, node)
     return True
 
 
@@ -142,6 +145,7 @@ def settle_holds(program: Program, state: RunState) -> None:
 
 def ask_back(program: Program, state: RunState) -> None:
     """Ask for the control that what continues to run had."""
-    for node in [program.graph.nodes[name] for name in state.running if name not in state.awaiting_control]:
+    names = [name for name in state.running if name not in state.awaiting_control and runs(program, state, name)]
+    for node in [program.graph.nodes[name] for name in names]:
         if node.control is not None and node.control != holder_of(program, state) and not is_held(state, node):
             request_control(state, node)

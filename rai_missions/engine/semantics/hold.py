@@ -18,7 +18,7 @@ from rai_missions.states.control import Holder
 
 __all__ = (
     "awake", "free", "held_by", "held_controls", "holder_of", "is_awaited", "is_for_held", "is_held", "live",
-    "run_at",
+    "run_at", "runs",
 )  # fmt: skip
 
 
@@ -56,6 +56,12 @@ def free(state: RunState, plan: Plan) -> Plan:
         return plan
     chains = (tuple(transition for transition in chain if not is_held(state, transition.source)) for chain in plan)
     return tuple(chain for chain in chains if chain)
+
+
+def runs(program: Program, state: RunState, name: str) -> bool:
+    """Whether a state runs something, which is not remembered alone until it begins again."""
+    machine = program.machines.get(name)
+    return name in state.running and not (isinstance(machine, Machine) and machine.is_stopped(state.running[name]))
 
 
 ABSENT: Any = object()

@@ -9,7 +9,7 @@ from rai_missions.engine.activities.call import replies_to
 from rai_missions.engine.compiled.program import Program
 from rai_missions.engine.decision import VerdictNote, stale_verdict
 from rai_missions.engine.semantics.actions import failed_call
-from rai_missions.engine.semantics.hold import is_for_held
+from rai_missions.engine.semantics.hold import is_awaited, is_for_held
 from rai_missions.engine.semantics.macrostep import complete, react
 from rai_missions.engine.semantics.running import dispatch, poll
 from rai_missions.engine.semantics.waiting import hold_event, pause_event, report, trigger_of
@@ -41,7 +41,7 @@ def receive_report(program: Program, state: RunState, event: Event) -> None:
     """An action's server or a service has reported."""
     number, draft = event.number, state.draft
     is_known = number in state.goals
-    if state.mode == "paused" and any(getattr(each, "number", 0) == number for each in state.running.values()):
+    if state.mode == "paused" and is_awaited(program, state, number):
         return pause_event(program, state, event)
     if is_for_held(program, state, number):
         return hold_event(program, state, event)

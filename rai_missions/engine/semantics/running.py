@@ -8,7 +8,7 @@ from collections.abc import Set as AbstractSet
 from typing import Any
 
 from rai_missions.engine.activities import goal_ledger
-from rai_missions.engine.activities.activity import GOALS, NO_KEYS, Outcome, Turn, watches
+from rai_missions.engine.activities.activity import GOALS, NO_KEYS, Outcome, Turn, stopped, watches
 from rai_missions.engine.activities.tree import TreeMachine, limit_of
 from rai_missions.engine.activities.tree_rounds import Rounds
 from rai_missions.engine.compiled.program import Program
@@ -33,6 +33,7 @@ __all__ = (
     "poll",
     "request_control",
     "resting",
+    "stop_activity",
     "take_back",
     "take_turn",
     "unfinished",
@@ -123,9 +124,20 @@ def begin(program: Program, state: RunState, node: CompiledState) -> None:
     """Start a state's activity."""
     machine = program.machine(node) if node.activity else None
     if machine is not None:
-        turn = machine.begin(Host(program, state))
+        host, before = Host(program, state), state.running.get(node.name)
+        turn = machine.begin(host) if before is None else machine.begin_again(before, host)
         state.running[node.name] = turn.state
         take_turn(program, state, node.name, turn)
+
+
+def stop_activity(program: Program, state: RunState, node: CompiledState) -> None:
+    """End what a state runs, which begins again later; its machine may remember it until then."""
+    machine = program.machines.get(node.name)
+    turn = stopped(machine, state.running[node.name], Host(program, state)) if machine is not None else None
+    if turn is None or turn.state is None:
+        return leave_activity(program, state, node)
+    state.running[node.name] = turn.state
+    _emit(state, turn.effects)
 
 
 def leave_activity(program: Program, state: RunState, node: CompiledState) -> None:
@@ -150,10 +162,12 @@ def take_turn(program: Program, state: RunState, name: str, turn: Turn) -> None:
         write_key(program, state, key, value)
     _emit(state, turn.effects)
     state.draft.notes += turn.notes
-    if turn.outcome is None:
+    if turn.outcome is None and turn.state is not None:
         state.running[name] = turn.state
         return
     state.running.pop(name, None)
+    if turn.outcome is None:
+        return
     state.awaiting_control.pop(name, None)
     node = program.graph.nodes[name]
     state.timers.pop(("timeout", name), None)

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 from rai_missions.engine import Chart
-from rai_missions.engine.activities.action import GoalActivity, GoalMachine
+from rai_missions.engine.activities.action import WAITING, GoalActivity, GoalMachine
 from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.activities.tree import TreeActivity, limit_of
 from rai_missions.engine.compiled.configuration import Plan
@@ -37,7 +37,7 @@ from rai_missions.prove.analysis.parts import guards_in, writes_in
 from rai_missions.prove.analysis.passed_nodes import ForgetsNodes, PassedNodes
 from rai_missions.states.compound import Each
 
-__all__ = ("INDIFFERENT", "PURSUED", "Abstraction")
+__all__ = ("INDIFFERENT", "PURSUED", "Abstraction", "relink_stopped")
 
 INDIFFERENT: frozenset[FieldKind] = frozenset(("number", "past", "end", "passing"))
 """What of a run makes no difference to what can happen next."""
@@ -108,6 +108,7 @@ class Abstraction:
         if state.mode == "ended":
             return
         self._control.let_go()
+        relink_stopped(state)
         state.watched = self._sensed(state)
         self._forget(state)
         for name, rest in self._rests:
@@ -411,3 +412,20 @@ def _sense(machine: GoalMachine, activity: GoalActivity, view: View) -> None:
         for test in (machine.succeeded, machine.failed):
             if test is not None:
                 test(view)
+
+
+def relink_stopped(state: RunState) -> None:
+    """Have what was stopped know its goal, which is another's number where alike goals are kept once.
+
+    What has lost its goal has nothing left to wait for: it is as if it had never been sent.
+    """
+    for name, activity in [*state.running.items()]:
+        if not isinstance(activity, GoalActivity) or activity.phase not in ("stopped", "again"):
+            continue
+        numbers = [each.number for each in state.goals.values() if each.owner == name and each.phase not in PURSUED]
+        if numbers:
+            state.running[name] = activity._replace(number=max(numbers))
+        elif activity.phase == "stopped":
+            del state.running[name]
+        else:
+            state.running[name] = WAITING

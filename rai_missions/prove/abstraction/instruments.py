@@ -129,7 +129,7 @@ class Instruments:
             return begin(host)
 
         def receiving(state: Any, event: Event, host: Any) -> Any:
-            if not isinstance(state, GoalActivity) or state.phase == "waiting":
+            if not isinstance(state, GoalActivity) or state.phase in ("waiting", "again"):
                 self.asked.add(asked)
             return receive(state, event, host)
 

@@ -18,7 +18,7 @@ from rai_missions.engine.activities.goal_ledger import Goal
 from rai_missions.engine.state import FIELD_KINDS, TABLE, FieldKind, RunState, StepDraft, copied
 from rai_missions.event import Event
 from rai_missions.keys import Stamped
-from rai_missions.prove.abstraction.abstraction import INDIFFERENT, PURSUED, Abstraction
+from rai_missions.prove.abstraction.abstraction import INDIFFERENT, PURSUED, Abstraction, relink_stopped
 from rai_missions.prove.abstraction.activity_key import key_of, plain, timer_key
 from rai_missions.prove.abstraction.control_env import kept_words
 from rai_missions.prove.abstraction.nondeterminism import OpenBoard
@@ -233,6 +233,7 @@ class StateCodec:
         state.board, state.rounds = self._world.board, self._world.rounds
         if store.goals:
             state.goals = store.ledger | state.goals
+            relink_stopped(state)
         self._chart.state = state
         self.groups = dict(saved.groups) if saved.groups else {}
 

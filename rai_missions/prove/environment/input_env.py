@@ -108,6 +108,7 @@ class InputEnvironment:
 
     def reports(self) -> Iterator[Stimulus]:
         """Everything that servers, services and behaviours can report."""
+        yield from self._late_successes()
         for goal in self._rest.pursued:
             if not is_held(self._chart.state, self._chart.program.graph.nodes[goal.owner.partition("#")[0]]):
                 yield from self._goal(goal)
@@ -119,6 +120,23 @@ class InputEnvironment:
                 words = f"the behaviour of '{owner}': {status}"
                 yield Stimulus(words, "robot", self.receive(event), number)
         yield from self.of_calls()
+
+    def _late_successes(self) -> Iterator[Stimulus]:
+        """The goals that succeed although a pause or a handover asked for their end; just as well right after it."""
+        for name, state in self.running(held=False):
+            if isinstance(state, GoalActivity) and state.phase == "again":
+                machine: Any = self._chart.program.machines[name]
+                if machine.succeeded is None:  # what is composed of services ends as its 'cancel' reports
+                    words = f"'{machine.definition.action}' of '{name}' succeeds although its end was asked for"
+                    yield Stimulus(words, "robot", self._succeeding_late(name), owner=name)
+
+    def _succeeding_late(self, name: str) -> Callable[[], None]:
+        """The number of the goal is that of the moment: where goals are alike, one has the number of another."""
+
+        def happen() -> None:
+            self._result("succeeded", self._chart.state.running[name].number, name)()
+
+        return happen
 
     def of_goals(self) -> Iterator[Stimulus]:
         """What can be reported of goals that no state waits for."""
