@@ -107,7 +107,7 @@ LEAST = {
     ("second", "stops"): (20, 20), ("second", "harmless"): (29, 28), ("second", "dialogues"): (72, 58),
     ("third", "orders"): (25, 26), ("third", "questions"): (22, 23), ("third", "answers"): (50, 42),
     ("third", "stops"): (18, 18), ("third", "harmless"): (30, 28), ("third", "dialogues"): (50, 47),
-    ("fourth", "orders"): (46, 38), ("fourth", "questions"): (48, 40), ("fourth", "answers"): (28, 23),
+    ("fourth", "orders"): (46, 38), ("fourth", "questions"): (48, 40), ("fourth", "answers"): (28, 24),
     ("fourth", "stops"): (18, 12), ("fourth", "harmless"): (28, 28), ("fourth", "dialogues"): (114, 107),
 }  # fmt: skip
 """Those that are read right, of the half that was read and of the other."""
