@@ -26,14 +26,14 @@ from rai_missions.states.decision import answerer_words
 __all__ = ("TerminalPlay",)
 
 HELP = """\
-NUMBER [VALUE …]  let that happen; values as VALUE or NAME=VALUE, else as suggested
-u [COUNT]         undo; what you do then continues from there
-t SECONDS         time passes; the robot's facts stay fresh
-n                 time passes until something changes
-s [FILE]          save the play as a journal
-test FILE         write the play as a pytest
-m                 what seldom happens, too
-q                 quit"""
+NUMBER or NAME [VALUE …]  let that happen; values as VALUE or FIELD=VALUE, else as suggested
+u [COUNT]                 undo; what you do then continues from there
+t SECONDS                 time passes; the robot's facts stay fresh
+n                         time passes until something changes
+s [FILE]                  save the play as a journal
+test FILE                 write the play as a pytest
+m                         what seldom happens, too
+q                         quit"""
 WIDTH = 100
 GROUPS: Mapping[str, tuple[ChoiceKind, ...]] = {
     "what runs": ("goal", "call", "behaviour"), "events": ("event",), "time": ("time",),
@@ -67,7 +67,7 @@ class TerminalPlay:
             "s": self._save,
             "test": self._write_test,
             "m": self._more,
-            "?": lambda words: self._print(HELP),
+            "?": lambda words: self._help(),
         }
 
     def run(self) -> None:
@@ -111,9 +111,8 @@ class TerminalPlay:
         named = [each for each in choices if line == each.name or line.startswith(f"{each.name} ")]
         if not named:
             near = suggestion(line, [*self._orders, *(each.name for each in choices)])
-            raise UsageError(
-                f"'{trimmed(line, 60)}' cannot happen now, and is no order{near}; ? lists what can be typed"
-            )
+            more = "" if near.endswith("?") else "; ? lists what can be typed"
+            raise UsageError(f"'{trimmed(line, 60)}' cannot happen now, and is no order{near}{more}")
         found = max(named, key=lambda each: len(each.name))
         return found, line[len(found.name) :].strip()
 
@@ -175,6 +174,10 @@ class TerminalPlay:
         self._shows_rare = not self._shows_rare
         self._show()
 
+    def _help(self) -> None:
+        self._print(HELP)
+        self._print_listed("names now", [choice.name for choice in self._ordered()])
+
     # -- what is shown --------------------------------------------------------------------------------------------
 
     def _show(self) -> None:
@@ -235,9 +238,7 @@ class TerminalPlay:
             now = "unknown" if entry is None else f"{value_words(entry.value, 60)}, {age_s:.3g} s old"
             self._print(f"{number:4} {choice.key} ({now})")
         stale = [f"{number} {choice.key}" for number, choice in choices if choice.kind == "stale"]
-        if stale:
-            for line in textwrap.wrap(f"to let one go stale: {', '.join(stale)}", WIDTH, subsequent_indent="     "):
-                self._print(line)
+        self._print_listed("to let one go stale", stale)
 
     def _ask(self, prompt: str) -> str | None:
         """A line of input; None at its end."""
@@ -248,6 +249,13 @@ class TerminalPlay:
         elif not line:
             print(file=self._out)
         return line.strip() if line else None
+
+    def _print_listed(self, title: str, items: Sequence[str]) -> None:
+        """Items after a title, in lines that break between two of them; nothing where there are none."""
+        if items:
+            text = f"{title}: " + ", ".join(item.replace(" ", "\xa0") for item in items)
+            for line in textwrap.wrap(text, WIDTH, subsequent_indent="     ", break_long_words=False):
+                self._print(line.replace("\xa0", " "))
 
     def _print(self, text: str) -> None:
         print(text, file=self._out)

@@ -170,6 +170,16 @@ def test_a_piped_line_at_fault_ends_the_play(
     assert why in capsys.readouterr().err
 
 
+def test_each_choice_can_be_typed_by_the_name_that_is_listed(door: Path) -> None:
+    session = PlaySession(load(door), PlayFiles(PlaySource(door)))
+    for name in ("readings", "start", "event knock"):
+        out, lines = io.StringIO(), io.StringIO(f"?\n{name}\nq\n")
+        names = [choice.name for choice in session.play.choices()]
+        TerminalPlay(session, lines, out, is_person=False).run()
+        listed = out.getvalue().partition("names now: ")[2].partition("> ")[0]
+        assert name in names and sorted(" ".join(listed.split()).split(", ")) == sorted(names)
+
+
 def test_a_play_that_was_saved_elsewhere_is_saved_at_its_end_too(door: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     typed(monkeypatch, "1", "start", "s aside.journal", "q")
     assert main(["try", "door.json", "--journal", "asked.journal"]) == 0
