@@ -76,11 +76,14 @@ def listen_to(file: str | None, device: str | None, names: ListenNames, *, as_js
     finally:
         sound.stop()
         recognition.close()
+    lost_s = recognition.listener.lost_s
+    if lost_s:
+        print(f"rai-missions listen: {lost_s:.2f} s of {file} were lost with the ear", file=sys.stderr)
     if lost := count["lost"]:
         print(f"rai-missions listen: {lost} turn{'s' * (lost > 1)} of {file} could not be read", file=sys.stderr)
     elif not count["understood"]:
         print(f"rai-missions listen: nothing was understood in {file}", file=sys.stderr)
-    return int(lost > 0 or not count["understood"])
+    return int(lost > 0 or lost_s > 0 or not count["understood"])
 
 
 def line_of(transcript: Transcript, names: ListenNames) -> str:

@@ -166,7 +166,14 @@ class SpeechListener:
         self._pending = 0
         self._until = 0.0
         """The end of the last frame."""
+        self._lost = 0
+        """Frames that no ear looked at."""
         self._rest = threading.Condition()
+
+    @property
+    def lost_s(self) -> float:
+        """How much sound was lost with an ear that ended, hung or could not be opened, in seconds."""
+        return self._lost * FRAME_S
 
     def take(self, frame: SoundFrame) -> None:
         """The next frame; returns at once."""
@@ -213,6 +220,7 @@ class SpeechListener:
 
     def _looked_at(self, frame: SoundFrame, reply: SpeechReply) -> None:
         if reply.fault:
+            self._lost += 1
             self._end_turn()  # what of a turn was before the fault is transcribed
             return
         try:

@@ -27,6 +27,8 @@ from rai_missions.voice.kind import EarReading, Reading
 
 class LevelEar:
     def take(self, recorded, played):
+        if recorded[2]:
+            os.abort()
         return EarReading(recorded[0] / 100, recorded[1] / 100, recorded, recorded)
 
 class PipedWords:
@@ -44,7 +46,7 @@ level = piped_words:LevelEar
 [rai_missions.recognisers]
 piped = piped_words:PipedWords
 """
-SPEECH, WOKEN, QUIET = (bytes(each).ljust(FRAME_BYTES, b"\0") for each in ([90], [90, 90], []))
+SPEECH, WOKEN, QUIET, DEADLY = (bytes(each).ljust(FRAME_BYTES, b"\0") for each in ([90], [90, 90], [], [0, 0, 1]))
 
 
 class Reported(NamedTuple):
@@ -63,12 +65,12 @@ class Scene:
         self._pipe, self._frames = pipe, 0
         os.mkfifo(pipe)
         self.found, self.faults = Inbox[Reported](), Inbox[str]()
-        self._ear = SpeechProcess("ear", "level")
+        self._ear = SpeechProcess("ear", "level", on_fault=self.faults)
         self._words = SpeechProcess("recogniser", "piped", {"pipe": str(pipe)}, on_fault=self.faults)
         for process in (self._ear, self._words):
             process.open()
             process.wait_open()
-        self._listener = SpeechListener(
+        self.listener = SpeechListener(
             self._ear, self._words, on_transcript=self._take, on_present=lambda at: self.found(Reported("present"))
         )
 
@@ -79,7 +81,7 @@ class Scene:
         """The next frames, looked at."""
         looked_at = threading.Event()
         for frame in frames:
-            self._listener.take(SoundFrame(self._frames * FRAME_S, frame, QUIET))
+            self.listener.take(SoundFrame(self._frames * FRAME_S, frame, QUIET))
             self._frames += 1
         self._ear.ask({"do": "take"}, (QUIET, QUIET), on_reply=lambda reply: looked_at.set())
         assert looked_at.wait(20)
@@ -92,7 +94,7 @@ class Scene:
         return self.found.wait(lambda all_: len(all_) >= count, f"{count} things are reported")
 
     def close(self) -> None:
-        Recognition(self._listener, (self._ear, self._words)).close()
+        Recognition(self.listener, (self._ear, self._words)).close()
 
 
 @pytest.fixture
@@ -155,3 +157,14 @@ def test_a_turn_whose_recogniser_ended_is_transcribed_by_the_next_one_once(scene
     scene.faults.wait(bool, "the recogniser has ended")
     threading.Thread(target=scene.words, args=(text,), daemon=True).start()  # it waits where no recogniser reads
     assert [each.what for each in scene.wait(2)] == ["present", found]
+
+
+def test_sound_that_is_lost_with_an_ear_is_counted_and_what_was_before_is_transcribed(scene: Scene) -> None:
+    scene.frames(*[SPEECH] * 5)
+    assert scene.listener.lost_s == 0
+    scene.frames(DEADLY)
+    scene.faults.wait(bool, "the ear has ended")
+    assert scene.listener.lost_s == pytest.approx(FRAME_S)
+    scene.words("stop")
+    scene.frames(*[SPEECH] * 5)
+    assert [each.what for each in scene.wait(3)] == ["present", "stop", "present"]

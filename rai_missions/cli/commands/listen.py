@@ -35,7 +35,7 @@ def listen(
 
     Exit status:
         0 something was understood, or the microphone was listened to until the end (Ctrl-C, SIGTERM); 1 nothing was
-        understood, or a turn was lost since a recogniser failed; 2 the input is at fault
+        understood, or sound was lost since the ear or a recogniser failed; 2 the input is at fault
 
     Example:
         rai-missions listen question.wav
