@@ -59,6 +59,8 @@ LEVELS = tuple(int(each) for each in os.environ.get("DB", "40 20 10").split())
 """By how many dB the noise of the orders is below the speech."""
 NOISES = tuple(os.environ.get("NOISES", "white pink").split())
 """Their noises: white, pink, babble of eight voices, hum of the mains."""
+CROWD_BEFORE_S = 5.0
+"""How long the babble is there before an order."""
 HUM_HZ, HUM_PARTIALS = 50, 20
 FIRST, LAST = (int(each) for each in os.environ.get("WINDOWS", "0 1000000").split())
 """Which windows of `false` are transcribed: parts of a long run, one after the other."""
@@ -291,7 +293,9 @@ def orders(bench: Bench, scale: int) -> None:
     for db, kind in product(LEVELS, NOISES):
         bench.new_ear()  # as in a room whose noise lasts: the ear has had time to know it
         for phrase, speaker, _ in product(SPOKEN, SPEAKERS, range(scale)):
-            found = bench.of(FileSound(mixed(speech(f"{phrase.capitalize()}.", speaker), db, kind, random)))
+            before_s = CROWD_BEFORE_S if kind == "babble" else 1.5
+            sound = mixed(speech(f"{phrase.capitalize()}.", speaker), db, kind, random, before_s)
+            found = bench.of(FileSound(sound))
             name = order_of(phrase)
             effects = [effect(each, VIEWS.get(name, RUNNING), answers=phrase in ("yes", "no")) for each in found]
             done = name if name in effects else next(filter(None, effects), "-")

