@@ -27,7 +27,7 @@ DOUBTS = {
     ),
     "de": (
         "vielleicht", "glaube ich", "denke ich", "vermutlich", "vielleicht nicht", "später", "oder nicht",
-        "noch nicht", "wenn es trocken ist", "kaum", "nicht", "von wegen", "sagt meine Frau",
+        "noch nicht", "wenn es trocken ist", "kaum", "nicht", "von wegen", "na und", "sagt meine Frau",
     ),
 }  # fmt: skip
 REFUSALS = {"en": ("never mind", "forget it"), "de": ("vergiss es", "lass das")}

@@ -87,10 +87,12 @@ def key_asked(words: Sequence[str], keys: Mapping[str, KeyView], language: Langu
         language: Whose words without a meaning, and for what is measured, count.
     """
     meant, bare = [each for word in words if (each := language.meanings(word))], language.without_articles(words)
-    found = list[str]()
-    for key in keys.values():
-        about = language.normaliser.words(key.about) if key.source != "argument" else []
-        is_either = about[:1] == [language.data["whether"]] and words[0] in (*language.data["auxiliaries"], about[-1])
+    found, whether = list[str](), language.data["whether"]
+    openings = (words[0], whether)
+    asking = (key for key in keys.values() if key.about.partition(" ")[0].lower() in openings)
+    for key in (each for each in asking if each.source != "argument"):
+        about = language.normaliser.words(key.about)
+        is_either = about[:1] == [whether] and words[0] in (*language.data["auxiliaries"], about[-1])
         known = set(map(language.singular, (*about, *spoken(key.name).split())))
         is_in = len(meant) >= LEAST_ASKED and not any(map(known.isdisjoint, meant))
         is_same = sorted(bare) == sorted(language.without_articles(about[is_either:]))
