@@ -6,9 +6,9 @@ Imports `guards`, `mission`, `model`, `planning` and `states`, and the modules o
 
 from rai_missions.check.files import CheckedFile, FileFinding, check_file, errors_of, load_whole
 from rai_missions.check.finding import Finding, Severity, exit_status, faults_of
-from rai_missions.check.rules import RULES, CheckRule, check
+from rai_missions.check.rules import RULES, check
 
 __all__ = (
-    "RULES", "CheckRule", "CheckedFile", "FileFinding", "Finding", "Severity", "check", "check_file", "errors_of",
+    "RULES", "CheckedFile", "FileFinding", "Finding", "Severity", "check", "check_file", "errors_of",
     "exit_status", "faults_of", "load_whole",
 )  # fmt: skip

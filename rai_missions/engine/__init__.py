@@ -9,7 +9,6 @@ Imports `guards`, `mission`, `model`, `planning` and `states`, and the modules o
 
 from rai_missions.engine.chart import Chart
 from rai_missions.engine.compiled.program import Named
-from rai_missions.engine.semantics.events import NOT_STARTED
 from rai_missions.engine.snapshot import Snapshot
 
-__all__ = ("NOT_STARTED", "Chart", "Named", "Snapshot")
+__all__ = ("Chart", "Named", "Snapshot")

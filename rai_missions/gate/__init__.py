@@ -8,17 +8,5 @@ Imports `connectors`, `mission`, `model`, `runtime` and `states`, and the module
 
 from rai_missions.gate.config import CommandTopic, GateWords, gate_words, read_gate
 from rai_missions.gate.gate import GateAgent
-from rai_missions.gate.rules import step
-from rai_missions.gate.state import Gate, GateRules, status_of
 
-__all__ = (
-    "CommandTopic",
-    "Gate",
-    "GateAgent",
-    "GateRules",
-    "GateWords",
-    "gate_words",
-    "read_gate",
-    "status_of",
-    "step",
-)
+__all__ = ("CommandTopic", "GateAgent", "GateWords", "gate_words", "read_gate")

@@ -4,7 +4,6 @@
 Imports nothing of the other packages.
 """
 
-from rai_missions.model.attribute_docs import explained
 from rai_missions.model.family import FAMILY, AnyOf, TaggedModel
 from rai_missions.model.fields import (
     LISTED,
@@ -69,7 +68,6 @@ __all__ = (
     "Value",
     "Word",
     "alike",
-    "explained",
     "fault",
     "is_recorded",
     "one_or_many",

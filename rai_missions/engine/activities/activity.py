@@ -25,19 +25,8 @@ if TYPE_CHECKING:
     from rai_missions.keys import Key
 
 __all__ = (
-    "GOALS",
-    "NO_KEYS",
-    "ActivityHost",
-    "Bench",
-    "Machine",
-    "Outcome",
-    "Turn",
-    "machine_of",
-    "remembered",
-    "remembered_kinds",
-    "result_writes",
-    "stopped",
-    "watches",
+    "GOALS", "NO_KEYS", "ActivityHost", "Bench", "Machine", "Outcome", "Turn", "machine_of", "remembered",
+    "remembered_kinds", "result_writes", "stopped", "watches",
 )  # fmt: skip
 
 

@@ -22,7 +22,7 @@ from rai_missions.errors import suggestion
 from rai_missions.event import KINDS, Event, EventKind
 from rai_missions.keys import Stamped, stale_at, type_error
 
-__all__ = ("NOT_STARTED", "handle", "handle_before_start")
+__all__ = ("handle", "handle_before_start")
 
 NOT_STARTED = "the mission has not been started"
 """Why an event before the start changes nothing."""

@@ -11,13 +11,7 @@ from rai_missions.engine.state import RunState, Trigger
 from rai_missions.event import Event
 
 __all__ = (
-    "drop_reports",
-    "event_of",
-    "hold_event",
-    "hold_trigger",
-    "pause_event",
-    "report",
-    "trigger_of",
+    "drop_reports", "event_of", "hold_event", "hold_trigger", "pause_event", "report", "trigger_of",
     "waiting_answers",
 )  # fmt: skip
 
