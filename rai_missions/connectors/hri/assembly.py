@@ -200,7 +200,8 @@ class _Sequence:
     def lacking(self) -> str:
         """The parts that are still to come, in words."""
         missing = self.received().missing
-        return f"parts {', '.join(map(str, missing))}" if missing else "the last part"
+        word = "part" if len(missing) == 1 else "parts"
+        return f"{word} {', '.join(map(str, missing))}" if missing else "the last part"
 
     def received(self, why: str = "") -> ReceivedMessage:
         parts = [self.parts[number] for number in sorted(self.parts)]

@@ -88,7 +88,7 @@ def test_what_is_not_received_whole_is_logged_where_no_one_asks_for_it(
         hri.connector.publish(FROM_HUMAN, TYPE, {"seq_no": "first"})
         hri.connector.publish(VOICE_COMMANDS, "std_msgs/msg/String", {"data": "rewind"})
     assert [record.getMessage() for record in caplog.records] == [
-        "a message of 'Anna' is not whole: parts 0 did not come within 2 s",
+        "a message of 'Anna' is not whole: part 0 did not come within 2 s",
         "/from_human: seq_no: 'first' is no number of a part; the first is 0",
         "/voice_commands: 'rewind' is no word for the speaker",
     ]
@@ -104,7 +104,7 @@ def test_what_is_incomplete_once_the_topic_is_left_is_reported_once(hri: HRIConn
     assert got == []
     assert [(each.message.name, each.message.text, each.why) for each in faults] == [
         ("Anna", "half", "the last part had not come when the topic was left"),
-        ("Ben", "half", "parts 0 had not come when the topic was left"),
+        ("Ben", "half", "part 0 had not come when the topic was left"),
     ]
 
 
