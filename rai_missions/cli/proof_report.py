@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterable
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,11 +24,13 @@ if TYPE_CHECKING:
 __all__ = ("as_json", "how_far", "limits_of", "report", "write_journals")
 
 FIELDS = (
-    "states", "steps", "depth", "farthest", "is_whole", "stopped", "done", "assumed", "in_pause", "predicates",
-    "sampled", "alike", "never", "seconds",
+    "states", "steps", "depth", "farthest", "is_whole", "stopped", "varieties", "done", "assumed", "in_pause",
+    "predicates", "sampled", "alike", "never", "seconds",
 )  # fmt: skip
 """What the JSON object holds of a proof."""
 WIDTH = 14
+MOST_KEYS = 4
+"""How many of the keys that multiply the states are named."""
 
 
 def limits_of(states: int | None, seconds: float, memory_mb: float) -> dict[str, Any]:
@@ -143,6 +146,18 @@ def _covered(proof: Proof) -> Iterable[str]:
     for word, verdict in (("refuted", "refuted"), ("proved", "proved"), ("open", "explored")):
         names = [each.name for each in proof.claims if each.verdict == verdict]
         yield f"{word}: {', '.join(names) or 'none'}"
+    yield from _multiplied(proof)
+
+
+def _multiplied(proof: Proof) -> Iterable[str]:
+    """Which keys multiply the states, where a limit left some out, and what would make them fewer."""
+    most = [f"{key}: {many} values" for key, many in islice(proof.varieties.items(), MOST_KEYS)]
+    if most:
+        yield f"what multiplies most: {' × '.join(most)}"
+        yield (
+            "fewer: compare fewer fields of an item, set a count again where its task ends, give an argument a "
+            "'minimum' and 'maximum' or an 'enum'"
+        )
 
 
 def _refutation(sentence: str, trace: Iterable[Any], journal: dict[str, Any] | None) -> Iterable[str]:

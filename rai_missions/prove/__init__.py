@@ -54,6 +54,8 @@ class Proof(NamedTuple):
     """Every state was explored."""
     stopped: Stopped
     """The limit that left states out; empty where none did."""
+    varieties: dict[str, int]
+    """Key → how many things are known of it in the states that were found, most first; empty where all were."""
     done: int
     """States out of which all that can happen was explored."""
     assumed: tuple[str, ...]
@@ -192,6 +194,7 @@ class _ProofRun:
             farthest=max(space.distances(space.ends), default=0),
             is_whole=space.is_whole,
             stopped=space.meter.stopped,
+            varieties={} if space.is_whole else space.varieties,
             done=space.done,
             assumed=tuple(sorted(world.assumed)),
             in_pause=tuple(sorted(space.findings.in_pause)),

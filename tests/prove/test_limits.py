@@ -78,6 +78,16 @@ def test_the_command_reports_its_limit_and_what_is_open(
     assert lines[2:4] == ["refuted: none", "proved: none"] and lines[4].startswith("open: ends, comes to rest")
 
 
+def test_a_limit_names_the_keys_that_multiply_and_what_would_help(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "counting.json").write_text(json.dumps(counting()), encoding="utf-8")
+    assert main(["prove", str(tmp_path / "counting.json"), "--states", "50"]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    (most,) = [line for line in lines if line.startswith("what multiplies most: ")]
+    assert most == "what multiplies most: n: 50 values" and lines[lines.index(most) + 1].startswith("fewer: ")
+
+
 @pytest.mark.parametrize("given", [["--max-seconds", "0"], ["--max-memory", "-1"], ["--states", "0"]])
 def test_a_limit_of_nothing_is_refused(given: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "counting.json").write_text(json.dumps(counting()), encoding="utf-8")

@@ -155,6 +155,11 @@ class Stores:
         """Numbers of a store and a change → the store afterwards, and what its question finds there."""
         self._questions: dict[frozenset[Any], StoreQuery] = {}
 
+    @property
+    def known(self) -> Collection[Store]:
+        """The stores that were met, as far as they are remembered."""
+        return self._found.values()
+
     def store(self, keys: Mapping[str, Any], goals: tuple[Goal, ...]) -> Store:
         """The one of these."""
         entries = [(key, tuple(entry)) for key, entry in sorted(keys.items()) if entry is not None]

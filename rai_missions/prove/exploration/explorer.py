@@ -11,6 +11,7 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from itertools import chain
 from typing import NamedTuple
 
+from rai_missions.prove.abstraction.activity_key import plain
 from rai_missions.prove.abstraction.state_key import Place, SavedState
 from rai_missions.prove.abstraction.store import ALL_GOALS, Store
 from rai_missions.prove.analysis.loops import Level, Loop
@@ -147,6 +148,17 @@ class Space(StateGraph):
     def unfinished(self) -> list[int]:
         """States whose steps were not explored, or not all."""
         return [*self.cut, *(each[0] for each in self._frontier)]
+
+    @property
+    def varieties(self) -> dict[str, int]:
+        """Key → how many things are known of it in the states that were found, most first; only what differs."""
+        found: dict[str, set[str]] = {}
+        saved = [*(each.saved for each in self._cases_of.values()), *(each[2] for each in self._frontier if each[2])]
+        for board in (*(each.board for each in self._stores.known), *(each.run.board for each in saved)):
+            for key, entry in board.items():
+                found.setdefault(key, set()).add(repr(None if entry is None else plain(entry.value)))
+        many = sorted((-len(values), key) for key, values in found.items() if len(values) > 1)
+        return {key: -negative for negative, key in many}
 
     def explore(self) -> None:
         """Find every state, or as many as the limits allow."""
