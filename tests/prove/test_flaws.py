@@ -111,7 +111,7 @@ CANCEL = mission(
     on_cancel="tidying",
 )
 REFUTED: dict[str, tuple[Json, str, list[str]]] = {
-    "deadlock": (DEADLOCK, "ends", ["the mission starts", "the time of 'driving' is over"]),
+    "deadlock": (DEADLOCK, "ends", ["the mission starts", "'drive' of 'driving' ended: succeeded"]),
     "livelock": (LIVELOCK, "comes to rest", ["the mission starts"]),
     "an option without an end": (NO_END, "ends", ["the mission starts", "answer of the model to 'choosing': wait"]),
     "an invariant that no rule keeps": (INVARIANT, "invariants", ["the mission starts"]),

@@ -65,6 +65,28 @@ def found(seeds: range, folder: Path) -> Counter[str]:
     return count
 
 
+def test_of_two_shortest_runs_the_one_in_which_reports_come_before_time_is_printed(tmp_path: Path) -> None:
+    """The call can succeed as long as the timer runs, and no longer: both last a second."""
+    left = {
+        "call": "horn",
+        "timeout_s": 1,
+        "transitions": [
+            {"on": "succeeded", "do": [{"set": "n", "value": 1}]},
+            {"on": ["failed", "rejected", "timed_out"], "to": "over"},
+        ],
+    }
+    right = {"transitions": [{"after_s": 1, "do": [{"set": "m", "value": 1}]}]}
+    regions = {"x": {"initial": "x0", "states": {"x0": left}}, "y": {"initial": "y0", "states": {"y0": right}}}
+    both = {"all": [{"key": "n", "==": 1}, {"key": "m", "==": 1}]}
+    mission = Mission.model_validate({
+        "name": "both", "initial": "a", "blackboard": {name: {"type": "integer", "initial": 0} for name in "nm"},
+        "states": {"a": {"parallel": regions}, "over": {"final": "aborted"}}, "invariants": {"few": {"not": both}},
+    })  # fmt: skip
+    run = prove(mission).ways["invariants"]
+    assert run[1].words == "the call of 'x0': succeeded"
+    assert record(tmp_path / "both.journal", Header(dump(mission)), mission, run)
+
+
 def test_what_is_reported_of_a_refutation_s_journal_is_what_is_in_it(tmp_path: Path) -> None:
     count = found(range(7, 14), tmp_path)
     assert count["shown"] > 4 * count["of another order of timers"]

@@ -132,7 +132,7 @@ def test_an_argument_is_tried_with_values_of_its_range_alone(limit: int) -> None
 def test_in_a_pause_what_was_asked_for_control_is_like_what_was_interrupted() -> None:
     cores = set()
     for finds, is_asked in ((0, False), (1, True)):
-        paused = environment(LOW, state={"action": "drive", "control": "autonomy", "timeout_s": 9})
+        paused = environment(LOW, state={"tree": {"action": "drive"}, "control": "autonomy", "timeout_s": 9})
         paused.choices.begin((0, 0, finds))  # control is not taken, the battery unknown; who has control
         paused.load(paused.codec.place())
         paused.make(paused.begin)

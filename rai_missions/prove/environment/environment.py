@@ -146,18 +146,22 @@ class Environment:
             yield from self.inputs.of_goals()
 
     def happenings(self) -> Iterator[Stimulus]:
-        """Everything else that can happen now but a cancel and an e-stop."""
+        """Everything else that can happen now but a cancel and an e-stop.
+
+        Time comes last: of two shortest runs the one is printed in which reports come before it, when nothing that they
+        are about has run out of time.
+        """
         mode = self.chart.mode
         if mode == "paused":
             yield from self._meanwhile()
         elif mode in ("running", "canceling"):
-            yield from self.time.times()
-            yield from self.time.turn_times()
             yield from self.inputs.answers()
             yield from self.inputs.reports()
             yield from self.inputs.events()
             yield from self._writes()
             yield from self._handovers()
+            yield from self.time.times()
+            yield from self.time.turn_times()
             if mode == "running" and self.pause_matters and not self.control.is_calm:
                 yield Stimulus("the operator pauses", "command", self.ordering("pause"))
                 yield from self._stop()
