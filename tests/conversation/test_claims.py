@@ -167,6 +167,32 @@ def test_a_claim_by_its_structure_differs_from_what_is_in_doubt(code: str, sente
     assert Claims(code).why_suspected(sentence, VIEW) == why
 
 
+@pytest.mark.parametrize(
+    ("code", "sentence", "is_spoken"),
+    [
+        ("en", "So you want the tray in room five.", True),
+        ("en", "You want the tray, it is in room five.", False),
+        ("en", "You want a clean floor and the floor is clean.", False),
+        ("en", "Retry means that the same step is tried once more.", True),
+        ("en", "This means your cup waits in the kitchen.", False),
+        ("en", "The manual recommends a soft cloth for the lenses.", True),
+        ("en", "The manual is in the tray.", False),
+        ("en", "All right.", True),
+        ("en", "Option two was chosen.", False),
+        ("en", "The decision fell on waiting.", False),
+        ("de", "Sie wollen eine Pause.", True),
+        ("de", "Du willst das Tablett, es steht in Zimmer fünf.", False),
+        ("de", "Das Handbuch nennt zwei Bürsten.", True),
+        ("de", "Das Handbuch liegt in der Kiste.", False),
+        ("de", "Die Entscheidung fiel auf Warten.", False),
+    ],
+)
+def test_a_wish_a_definition_and_a_document_are_spoken_of_but_no_decision(
+    code: str, sentence: str, is_spoken: bool
+) -> None:
+    assert (Claims(code).why_replaced(sentence, VIEW) == "") == is_spoken
+
+
 def test_a_sentence_of_the_world_is_spoken() -> None:
     world = {
         "en": ("The sea is deep.", "The ocean is salty.", "The sun is a star."),

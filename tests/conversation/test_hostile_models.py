@@ -156,7 +156,7 @@ def test_no_claim_is_shown_in_two_sentences_wherever_it_is_broken(code: str) -> 
 
 
 def test_no_claim_is_shown_in_two_replies() -> None:
-    first, second = "Would you like to know that the floor", "is very clean, would you like to see it?"
+    first, second = "Would you like to learn that the floor", "is very clean, would you like to see it?"
     assert shown([first], "en") == letters(first) and shown([second], "en") == letters(second)
     assert shown_of([[first], [second]], "en") == letters(first)
 

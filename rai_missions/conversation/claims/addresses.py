@@ -52,8 +52,8 @@ class Addresses:
         return main if self._rules.words(main) else text
 
     def known(self, text: str) -> str:
-        """A text without what it leaves unknown: a condition, and what follows `I do not know where`."""
-        known = self._unknown.sub(r"\1", text)
+        """A text without what it leaves open: a condition, and what follows `I do not know where`, or `retry means`."""
+        known: str = self._unknown.sub(lambda found: found[found.lastindex or 0], text)
         main = self._condition.sub(" ", known)
         return main if self._rules.words(main) else known
 

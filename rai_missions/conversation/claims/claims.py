@@ -160,6 +160,8 @@ class Claims:
         if kind in CERTAIN:
             return kind
         text = plain(sentence)
+        if self._own.harmless.fits(self._own.words(text)):
+            return ""
         is_of_world = kind in UNMARKED and self._is_of_world(text)
         if is_of_world or not kind:
             is_known = is_of_world or self._states_ability(text)
@@ -170,7 +172,8 @@ class Claims:
         return any(map(self._harmless.states_ability, self._own.clauses(text)))
 
     def _is_of_world(self, text: str) -> bool:
-        return all(map(self._harmless.is_of_world, self._own.clauses(text)))
+        """Whether each clause is of the world, or states a wish: no mission changes either."""
+        return all(self._harmless.is_of_world(each) or self._harmless.is_wish(each) for each in self._own.clauses(text))
 
     def why_suspected(self, sentence: str, view: StatusView) -> ClaimKind:
         """Why a sentence is a claim, or may be one, by the rules alone; empty where it is none.

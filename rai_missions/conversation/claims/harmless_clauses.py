@@ -113,10 +113,11 @@ class HarmlessClauses:
         return bool(rules.duties & set(near)) and not is_reported and not rules.foretold_not & set(words)
 
     def is_wish(self, words: Sequence[str]) -> bool:
-        """Whether a clause only wishes: `I hope your train is on time`."""
+        """Whether a clause only states a wish: `I hope your train is on time`, `so you want the cup in the tray`."""
         rules = self._rules
         bare = rules.skip_lead(words)
-        if not self._wishes.begin(bare) or rules.deictic & set(bare) or any(map(rules.is_past, bare)):
+        begun = (words[at:] for at in range(len(words) - len(bare) + 1))
+        if not any(map(self._wishes.begin, begun)) or rules.deictic & set(bare) or any(map(rules.is_past, bare)):
             return False
         return not (rules.self_words | rules.possessive) & set(bare[2:])
 

@@ -77,7 +77,7 @@ class ReportingClauses:
         A condition or a wish does not: `if the cup is on the table`.
         """
         rules = self._rules
-        if rules.hypothetical & set(words) or self._harmless.is_elsewhere(words):
+        if rules.hypothetical & set(words) or self._harmless.is_elsewhere(words) or self._harmless.is_wish(words):
             return False
         place = rules.place_in(words)
         return bool(place) and not (place[-1] in rules.natural and self._harmless.is_kind(words))
