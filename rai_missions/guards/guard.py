@@ -117,7 +117,9 @@ class Guard(TaggedModel, family="guard", group="rai_missions.guards"):
         """
         site.set_counts(counts)
         if type(self) not in Guard.foreign:
-            return self.compile(site)
+            test = self.compile(site)
+            site.set_counts(counts)
+            return site.asked(self, test)
         try:
             test = self.compile(site)
         except MissionError:

@@ -102,6 +102,10 @@ class Site:
         """Note which value counts of the guard that is compiled next; see `counts`."""
         self.counts = counts
 
+    def asked(self, guard: Any, test: Test) -> Test:
+        """How a guard that is compiled here is asked, `counts` of it being noted: by its test, but in a proof."""
+        return test
+
     @property
     def watched(self) -> frozenset[str]:
         """What may change the guard, time excepted: keys (`*` for every key), and states by their `presence`.

@@ -9,7 +9,7 @@ from rai_missions.engine.compiled.configuration import Configuration
 from rai_missions.engine.compiled.states import Act, CompiledGuard, CompiledState, CompiledTransition, Content
 from rai_missions.errors import UsageError, escaped
 from rai_missions.guards.guard import Guard
-from rai_missions.guards.view import Site, Truth
+from rai_missions.guards.view import Truth
 from rai_missions.mission.mission import Mission
 from rai_missions.states.effects import Effect
 from rai_missions.states.final import Final
@@ -147,7 +147,7 @@ class CompiledMission:
             state: Whose it is.
             counts: Which of its values counts there.
         """
-        site = Site(place, self.mission.blackboard, state)
+        site = self._content.site(place, self.mission.blackboard, state)
         test = guard.compiled(site, counts)
         self.named |= site.named
         for name in site.clocked:

@@ -7,7 +7,8 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.guards.guard import Guard
-from rai_missions.guards.view import Instant, Test
+from rai_missions.guards.view import Instant, Site, Test
+from rai_missions.keys import Key
 from rai_missions.states.compound import Each, Parallel
 from rai_missions.states.final import Final
 from rai_missions.states.history import History
@@ -66,6 +67,8 @@ class Content(NamedTuple):
     """Of a state that goes through a list, as it is entered, and the history that leads back into it, if one does."""
     reach_final: Callable[[Any, tuple[Any, ...]], Act]
     """Of a final, as it is entered, and the parallel states that have all their regions in a final then."""
+    site: Callable[[str, Mapping[str, Key], str], Site]
+    """Where the guards of transitions, finals and invariants are compiled: `Site`, but in a proof."""
 
 
 class CompiledGuard(NamedTuple):

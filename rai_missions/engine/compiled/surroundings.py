@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 from rai_missions.engine.activities.activity import Machine
 from rai_missions.engine.compiled.states import CompiledState
 from rai_missions.event import Event
-from rai_missions.guards.view import Truth
+from rai_missions.guards.view import Site, Truth
+from rai_missions.keys import Key
 from rai_missions.states.control import Holder
 
 if TYPE_CHECKING:
@@ -33,6 +34,10 @@ class Surroundings:
     def holder(self, state: RunState) -> Holder:
         """Who has control, where that was left open until a rule looks."""
         raise LookupError("who has control is open only in a proof")
+
+    def site(self, place: str, keys: Mapping[str, Key], state: str) -> Site:
+        """Where a guard of a transition, a final or an invariant is compiled."""
+        return Site(place, keys, state)
 
     def machine(self, node: CompiledState, machine: Machine) -> Machine:
         """The machine of a state's activity, as it is to be used."""

@@ -58,6 +58,7 @@ def compiled(
         lambda effect, place, state: act_of(effect, place, state, keys, has_trees=has_trees),
         lambda node, history: lambda program, state: enter_each(program, state, node, history),
         reaching,
+        (surroundings if surroundings is not None else Surroundings()).site,
     )
     return Program(
         mission, content, ticker, has_trees=has_trees, robot_facts=robot_facts, named=named, surroundings=surroundings

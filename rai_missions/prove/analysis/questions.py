@@ -20,7 +20,7 @@ from rai_missions.states.transition import Transition
 from rai_missions.states.tree.decorators import EternalGuard
 from rai_missions.states.tree.leaves import CheckLeaf
 
-__all__ = ("parts_about", "questions")
+__all__ = ("only_key", "parts_about", "questions")
 
 NONE: frozenset[str] = frozenset()
 TRUE_OR_NOT = Transition, Option, CheckLeaf, EternalGuard
@@ -49,6 +49,13 @@ def parts_about(guard: Guard, key: str, steady: frozenset[str]) -> list[Guard] |
     """The parts of a guard that read one key, and otherwise only such as are steady; None where another part does."""
     found = [part for part, _ in _asked(guard, key, None, steady)]
     return found if all(_is_alone(part, key, steady) for part in found) else None
+
+
+def only_key(guard: Guard) -> str:
+    """The key by whose value alone a guard is true or not; empty where there is no such."""
+    keys = _about(guard)
+    (key,) = keys if len(keys) == 1 else ("",)
+    return key if key and _is_alone(guard, key) else ""
 
 
 def _outermost(value: Any, counts: Truth = None) -> Iterator[tuple[Guard, Truth]]:

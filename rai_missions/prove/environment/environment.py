@@ -6,7 +6,7 @@ Rule: what is listed here is all that a proof is about; nothing else is assumed 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from rai_missions.engine import Chart
@@ -23,9 +23,11 @@ from rai_missions.engine.semantics.handover import is_kept, receive_control
 from rai_missions.engine.semantics.stepping import begin_run
 from rai_missions.engine.state import RunState
 from rai_missions.event import Event
-from rai_missions.keys import Stamped
+from rai_missions.guards.view import Site, Test, Truth, View
+from rai_missions.keys import Key, Stamped
 from rai_missions.mission.mission import Mission
 from rai_missions.prove.abstraction.abstraction import Abstraction
+from rai_missions.prove.abstraction.asked_readings import AskedReadings, OpenSite
 from rai_missions.prove.abstraction.control_env import ControlEnvironment, control_event
 from rai_missions.prove.abstraction.instruments import Instruments
 from rai_missions.prove.abstraction.nondeterminism import Choices, OpenFields
@@ -54,6 +56,12 @@ class OpenSurroundings(Surroundings):
 
     def holder(self, state: RunState) -> Holder:
         return self._environment.control.find(state)
+
+    def site(self, place: str, keys: Mapping[str, Key], state: str) -> Site:
+        return OpenSite(place, keys, state, self._ask)
+
+    def _ask(self, view: View, key: str, test: Test, counts: Truth) -> Truth:
+        return self._environment.readings.ask(view, key, test, counts)
 
     def machine(self, node: CompiledState, machine: Machine) -> Machine:
         self._environment.instruments.watch(machine, node.place)
@@ -105,6 +113,7 @@ class Environment:
         )
         self.instruments.watch_finals(chart.program)
         self.world = OpenWorld(chart, self.choices)
+        self.readings = AskedReadings(chart, self.world)
         self.control = ControlEnvironment(chart, self.choices, is_calm=is_calm)
         self.rest = Abstraction(chart, self.world, self.control, self.instruments)
         self.circles = StepCircles(chart, self.world, self.rest, self.instruments)

@@ -172,7 +172,7 @@ class TimeEnvironment:
             self.time_passes(*woken, *(each.owner for each in self._over))
             gone = [key for key in before if board.known(key) is None]
             for key in before.keys() & board.among.keys():
-                board.leave(key, before[key])
+                board.leave(key, [each for each in board.among[key] if each is not None])
             if gone and self._state.mode != "ended":
                 self._state.draft.news.update(dict.fromkeys(gone, ""))
                 self.time_passes(*self._readers(gone))
