@@ -66,7 +66,7 @@ def found(seeds: range, folder: Path) -> Counter[str]:
 
 
 def test_of_two_shortest_runs_the_one_in_which_reports_come_before_time_is_printed(tmp_path: Path) -> None:
-    """The call can succeed as long as the timer runs, and no longer: both last a second."""
+    """The call can succeed as long as the timer runs, and no longer. Regions that look at each other are one part."""
     left = {
         "call": "horn",
         "timeout_s": 1,
@@ -75,8 +75,8 @@ def test_of_two_shortest_runs_the_one_in_which_reports_come_before_time_is_print
             {"on": ["failed", "rejected", "timed_out"], "to": "over"},
         ],
     }
-    right = {"transitions": [{"after_s": 1, "do": [{"set": "m", "value": 1}]}]}
-    regions = {"x": {"initial": "x0", "states": {"x0": left}}, "y": {"initial": "y0", "states": {"y0": right}}}
+    right = {"transitions": [{"after_s": 1, "when": {"in": "x0"}, "do": [{"set": "m", "value": 1}]}]}
+    regions = {"y": {"initial": "y0", "states": {"y0": right}}, "x": {"initial": "x0", "states": {"x0": left}}}
     both = {"all": [{"key": "n", "==": 1}, {"key": "m", "==": 1}]}
     mission = Mission.model_validate({
         "name": "both", "initial": "a", "blackboard": {name: {"type": "integer", "initial": 0} for name in "nm"},
