@@ -92,19 +92,25 @@ class Instants:
 
 
 def hold(seeds: Iterable[int]) -> Counter[str]:
-    """Prove drawn missions, and let a second pass in each: goals have ended at once, or not."""
+    """Explore drawn missions, as a whole and part by part, and let a second pass: goals have ended at once, or not."""
     count = Counter[str]()
     for seed in seeds:
         mission = Mission.model_validate(Instants(seed).document())
-        space = RecordingSpace(Environment(mission, robot_facts=FACTS), STATES, WORK)
-        space.explore()
+        space, parted = (
+            RecordingSpace(Environment(mission, robot_facts=FACTS), STATES, WORK, by_parts=each)
+            for each in (False, True)
+        )
+        for each in (space, parted):
+            each.explore()
+        if space.is_whole and parted.is_whole:
+            assert (parted.states, len([*parted.edges()])) == (space.states, len([*space.edges()])), seed
         count["drawn"] += 1
         for ends in (False, True) if space.is_whole else ():
             chart = Chart(mission, robot_facts=FACTS)
             step = chart.start(0.0)
-            for each in step.effects if ends else ():
-                if isinstance(each, StartGoal):
-                    chart.send(Event("succeeded", 0.0, {}, "result", each.number))
+            for effect in step.effects if ends else ():
+                if isinstance(effect, StartGoal):
+                    chart.send(Event("succeeded", 0.0, {}, "result", effect.number))
             chart.send(Tick(1.0))
             assert seen(chart) in space.seen, (seed, ends, sorted(chart.active))
             count["runs"] += 1
