@@ -105,13 +105,13 @@ def hold_against_whole_items(seed: int) -> tuple[int, int]:
     return few.states, every.states
 
 
-@pytest.mark.parametrize("seed", [0, 1, 10])
+@pytest.mark.parametrize("seed", [0, 1, 10, 14])
 def test_open_items_lead_where_whole_ones_lead(seed: int) -> None:
     assert hold_against_whole_items(seed) > (0, 0)
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("seed", [3, 4, 5, 8, 9, 13, 14])
+@pytest.mark.parametrize("seed", [3, 4, 5, 8, 9, 13])
 def test_open_items_of_more_missions_lead_where_whole_ones_lead(seed: int) -> None:
     hold_against_whole_items(seed)
 

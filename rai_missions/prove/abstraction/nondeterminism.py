@@ -297,6 +297,8 @@ class OpenBoard(AskedBoard):
                     dict.__setitem__(self, key, Stamped(value.fresh(), self._at))
 
     def __setitem__(self, key: str, entry: Any) -> None:
+        if key in self._shared:  # a history may bring the very item back that is there: what is known of it stays
+            self.looked.add(key)
         if key not in self.looked:
             self.replaced.add(key)
         self.among.pop(key, None)
