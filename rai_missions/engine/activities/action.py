@@ -118,11 +118,9 @@ class GoalMachine(Machine):
         return Turn(None, outcome=Outcome(event.name, dict(event.data), str(event.data.get("why", ""))))
 
     def _succeed_late(self, state: GoalActivity, event: Event, host: ActivityHost) -> Turn | None:
-        """A goal whose end was asked for has ended: if it succeeded, it is not done once more."""
-        if event.kind != "result":
+        """A goal whose end was asked for has succeeded, so it is not done once more; nothing waits for another end."""
+        if event.kind != "result" or event.name != "succeeded":
             return None
-        if event.name != "succeeded":
-            return Turn(None) if state.phase == "stopped" else self.begin(host)
         done = state._replace(phase="done", result=dict(event.data))
         return Turn(done) if state.phase == "stopped" else self._settle(done, host)
 

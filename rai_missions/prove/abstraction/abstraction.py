@@ -39,6 +39,8 @@ from rai_missions.states.compound import Each
 
 __all__ = ("INDIFFERENT", "PURSUED", "Abstraction", "relink_stopped")
 
+STOPPED = ("stopped", "again")
+"""Phases of a goal whose end was asked for."""
 INDIFFERENT: frozenset[FieldKind] = frozenset(("number", "past", "end", "passing"))
 """What of a run makes no difference to what can happen next."""
 REMEMBERED = 4096
@@ -108,7 +110,7 @@ class Abstraction:
         if state.mode == "ended":
             return
         self._control.let_go()
-        relink_stopped(state)
+        _forget_ended(state)
         state.watched = self._sensed(state)
         self._forget(state)
         for name, rest in self._rests:
@@ -415,17 +417,25 @@ def _sense(machine: GoalMachine, activity: GoalActivity, view: View) -> None:
 
 
 def relink_stopped(state: RunState) -> None:
-    """Have what was stopped know its goal, which is another's number where alike goals are kept once.
-
-    What has lost its goal has nothing left to wait for: it is as if it had never been sent.
-    """
-    for name, activity in [*state.running.items()]:
-        if not isinstance(activity, GoalActivity) or activity.phase not in ("stopped", "again"):
-            continue
+    """Have what was stopped know its goal, which is another's number where alike goals are kept once."""
+    for name, activity in _stopped(state):
         numbers = [each.number for each in state.goals.values() if each.owner == name and each.phase not in PURSUED]
         if numbers:
             state.running[name] = activity._replace(number=max(numbers))
-        elif activity.phase == "stopped":
+
+
+def _forget_ended(state: RunState) -> None:
+    """What was stopped and whose goal has ended has nothing left to wait for: it is as if it had never been sent."""
+    for name, activity in _stopped(state):
+        if activity.number in state.goals:
+            continue
+        if activity.phase == "stopped":
             del state.running[name]
         else:
             state.running[name] = WAITING
+
+
+def _stopped(state: RunState) -> list[tuple[str, GoalActivity]]:
+    """What waits for the end of a goal that a pause or a change of control has stopped."""
+    running = state.running.items()
+    return [(name, each) for name, each in running if isinstance(each, GoalActivity) and each.phase in STOPPED]
