@@ -18,6 +18,7 @@ from rai_missions.engine.decision import Evidence, Limits, Question
 from rai_missions.image import Image
 from rai_missions.testing import QUESTION, ReplyCollector, answer_fault
 from tests.rigs.chat_server import Reply, Server, completion, refused, server
+from tests.sampled import sampled
 
 if TYPE_CHECKING:
     from langchain_openai import ChatOpenAI
@@ -143,7 +144,7 @@ FOREIGN: dict[str, Reply] = {
 }
 
 
-@pytest.mark.parametrize("mode", ["json_schema", "tools", "text"])
+@pytest.mark.parametrize("mode", sampled(["json_schema", "tools", "text"], 3))
 @pytest.mark.parametrize("streaming", [False, True], ids=["whole", "streamed"])
 @pytest.mark.parametrize("reply", FOREIGN.values(), ids=FOREIGN)
 def test_a_server_of_another_kind_is_named_with_its_url(

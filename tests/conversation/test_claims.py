@@ -57,6 +57,7 @@ def replaced(sentences: Mapping[str, Sequence[str]]) -> dict[str, str]:
     return {each: Claims(code).why_replaced(each, VIEW) for code in sentences for each in sentences[code]}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("code", sorted(CLAIMS["claims"]))
 def test_no_claim_passes_among_harmless_words(code: str) -> None:
     claims = Claims(code)

@@ -93,7 +93,7 @@ def test_a_conversation_with_documents_orders_nothing_that_the_one_without_does_
 
 
 @given(quotes)
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=100, deadline=None)
 def test_what_a_document_has_is_between_marks_in_one_line_and_bounded(found: list[DocumentQuote]) -> None:
     dialogue = Dialogue(LOOKS, BEGIN)
     (look,) = looks(ask(dialogue))

@@ -144,6 +144,7 @@ def halves(code: str, every: int) -> Iterator[tuple[str, str]]:
                     yield " ".join(words[:at]) + by + after, claim
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("code", sorted(QUESTION))
 def test_no_claim_is_shown_in_two_sentences(code: str) -> None:
     assert [text for text, claim in halves(code, 61) if letters(claim) in shown([text], code)] == []

@@ -11,6 +11,7 @@ import pytest
 from rai_missions.conversation import Dialogue, Order, Output, Settings, Speech, StatusView, TalkNote, Utterance
 from rai_missions.engine.decision import Offer, Question
 from tests.conversation.stored import SENTENCES, read, read_back
+from tests.sampled import sampled
 
 STORED = read("answers.json")
 CODES = tuple(STORED)
@@ -147,7 +148,7 @@ def test_two_options_for_one_question_are_no_answer_until_one_is_chosen(joint: s
     assert [each.name for each in outputs("en", f"stop, {sentence}") if isinstance(each, Order)] == ["stop"]
 
 
-@pytest.mark.parametrize(("code", "option", "text"), CLAUSES)
+@pytest.mark.parametrize(("code", "option", "text"), sampled(CLAUSES, 4))
 def test_a_fact_next_to_an_answer_leaves_it_one(code: str, option: str, text: str) -> None:
     for fact in FACTS[code]:
         for sentence in (f"{fact}, {text}", f"{text.rstrip('.!')}, {fact}."):

@@ -12,6 +12,7 @@ from rai_missions.event import Event
 from rai_missions.mission.mission import Mission
 from rai_missions.prove import prove
 from rai_missions.prove.environment.environment import Environment
+from tests.sampled import sampled
 
 Json = dict[str, Any]
 NEVER: Json = {"check": {"key": "n", "<": 0}}
@@ -33,7 +34,7 @@ BETWEEN = [pytest.param(rounds, marks=pytest.mark.drill) for rounds in (6, 7, 9,
 
 
 @pytest.mark.parametrize("between", [False, True])
-@pytest.mark.parametrize("rounds", [2, 3, 4, 5, 13, 333, *BETWEEN])
+@pytest.mark.parametrize("rounds", [*sampled([2, 3, 4, 5, 13, 333], 2), *BETWEEN])
 @pytest.mark.parametrize("inner", [1, 3])
 def test_a_circle_comes_to_the_limit_of_the_real_chart(rounds: int, inner: int, *, between: bool) -> None:
     tree: Json = {"retry": rounds, "child": NEVER if inner == 1 else {"retry": inner, "child": NEVER}}

@@ -22,6 +22,7 @@ from rai_missions.prove.verdicts.properties import claims, lost, stuck
 from tests.prove.connected import CONNECTED, among_others, region
 from tests.prove.connected import mission as connected
 from tests.prove.regional import FACTS, regional
+from tests.sampled import sampled
 
 Json = dict[str, Any]
 MOST = 600
@@ -117,13 +118,13 @@ def test_part_by_part_is_what_a_full_exploration_is(seed: int) -> None:
     hold_against_full(regional(seed), FACTS if seed % 4 else RobotFacts())
 
 
-@pytest.mark.parametrize("what", CONNECTED)
+@pytest.mark.parametrize("what", sampled(CONNECTED, 2))
 def test_what_connects_regions_makes_no_difference(what: str) -> None:
     assert hold_against_full(CONNECTED[what], FACTS) is not None
     hold_one_by_one(CONNECTED[what])
 
 
-@pytest.mark.parametrize("what", sorted(CONNECTED.keys() - LARGE))
+@pytest.mark.parametrize("what", sampled(sorted(CONNECTED.keys() - LARGE), 4))
 def test_what_connects_regions_makes_no_difference_among_others(what: str) -> None:
     """What half of four regions can do is put together once, for every state that has this half."""
     assert hold_against_full(among_others(CONNECTED[what]), FACTS) is not None

@@ -105,7 +105,7 @@ def test_a_door_that_opens_while_it_waits_is_gone_through(patrol: Any) -> None:
         pytest.param(["skip"], [], "passed_by", "failed", marks=pytest.mark.long),
         (["ask"], ["leave"], "asking", "failed"),
         pytest.param(["ask"], ["stop"], "giving_up", "aborted", marks=pytest.mark.long),
-        (["ask", "skip"], ["go_on"], "asking", "failed"),
+        pytest.param(["ask", "skip"], ["go_on"], "asking", "failed", marks=pytest.mark.long),
         pytest.param(["ask"], [], "passed_by", "failed", marks=pytest.mark.long),
         (["dance", "dance", "dance"], [], "waiting", "failed"),
     ],

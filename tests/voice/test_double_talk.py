@@ -77,6 +77,7 @@ def test_our_own_echo_is_no_person_in_any_room(room: tuple[int, float, float, in
     assert found_in(frames_of(room)) == []
 
 
+@pytest.mark.long
 @settings(max_examples=25)
 @given(USUAL_ROOMS, st.integers(2, 20))
 def test_the_echo_of_a_low_tone_is_no_person_whenever_it_returns(

@@ -103,6 +103,7 @@ def test_threads_of_a_recogniser_that_have_nothing_to_do_take_no_cpu_time() -> N
     assert float(found.stdout) < 15, "milliseconds; OpenBLAS spins for about 80 by itself on two cores"
 
 
+@pytest.mark.long
 @needs_voice
 @pytest.mark.xdist_group("voice")
 def test_phrases_in_noise_have_odds_and_other_words_have_none() -> None:

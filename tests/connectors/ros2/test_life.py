@@ -126,6 +126,7 @@ def check_lives(times: int) -> None:
     assert after[2] <= before[2] + max(20, times // 20), f"{after[2] - before[2]} MiB are left"
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("alone")
 def test_thirty_lives_leave_nothing_behind() -> None:
     check_lives(30)

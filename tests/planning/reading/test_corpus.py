@@ -9,9 +9,10 @@ import pytest
 
 from benchmarks.bench_requests import LANGUAGES, Request, corpus, read_outcome, verdict
 from rai_missions.planning.reading import RequestReading, is_said, reading_of
+from tests.sampled import sampled
 
 
-@pytest.mark.parametrize("code", LANGUAGES)
+@pytest.mark.parametrize("code", sampled(LANGUAGES, 2))
 @pytest.mark.parametrize("is_held_out", [False, True])
 def test_the_stored_requests_are_read_and_what_is_read_is_said_in_them(code: str, is_held_out: bool) -> None:
     requests = [each for each in corpus(code) if each.is_held_out == is_held_out]
