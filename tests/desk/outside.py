@@ -291,7 +291,7 @@ def played_hard(case: HardCase) -> HardEnd:
     try:
         result = one.run()
         spent = time.process_time() - begun
-        missing = ("nothing was read",)
+        missing: tuple[str, ...] = ("nothing was read",)
         if one.first is not None and one.truth is not None:
             missing = tuple(unmet([*_without_swaps(case.goal, one)], one.truth))
         return HardEnd(
