@@ -19,6 +19,7 @@ from rai_missions.connectors.connector import Connector
 from rai_missions.engine import Chart
 from rai_missions.engine.activities.goal_ledger import OpenGoal, may_move
 from rai_missions.engine.decision import Answerer, ReadsRun, check_answerers
+from rai_missions.engine.modes import refusal
 from rai_missions.engine.step import Step
 from rai_missions.errors import ConnectorError, DefinitionError, MissionError, UsageError, raised_text
 from rai_missions.event import Event, Tick, is_e_stop
@@ -304,8 +305,11 @@ class Runner(RunCommands):
                 break
             else:
                 window.take(event)
-                if event.kind == "command" and event.name in ("stop", "cancel"):
+                is_order = event.kind == "command" and event.name in ("stop", "cancel")
+                if is_order and not refusal(self._chart.mode, event.name):
                     self._executor.stop_everything()  # the chart has its turn when the run continues
+                    if event.name == "cancel":
+                        break  # it needs no facts
         self._window = None
         self._step(lambda: self._chart.send(window.event(self._clock.now())))
         self._mailbox.put_back(window.rest)
