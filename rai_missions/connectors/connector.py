@@ -29,6 +29,7 @@ __all__ = (
     "RawMessage",
     "Reply",
     "Report",
+    "ResolvesNames",
     "SupportsAdoption",
     "SupportsDiscoveryCount",
     "SupportsInspection",
@@ -212,6 +213,14 @@ class SupportsAdoption(Protocol):
         Returns:
             What the server reports to from now on.
         """
+
+
+@runtime_checkable
+class ResolvesNames(Protocol):
+    """A connector that may have a profile's name under another one: in a namespace, or remapped."""
+
+    def resolved(self, mode: ConnectorMode, name: str) -> str:
+        """The name in full, as `listed` has it; as it was given if it is none or the connector is not started."""
 
 
 @runtime_checkable

@@ -13,7 +13,7 @@ METHODS = (
     "start", "stop", "listed", "subscribe", "publish", "call", "send_goal", "find_goal", "cancel_goal", "serve",
     "offer",
 )  # fmt: skip
-ABILITIES = ("adopt_goal", "conclude", "definition", "expect", "offered", "parameters", "survey", "tap")
+ABILITIES = ("adopt_goal", "conclude", "definition", "expect", "offered", "parameters", "resolved", "survey", "tap")
 """What only some connectors have, by the protocols of `connector`."""
 
 

@@ -141,12 +141,14 @@ def graph(given: Mapping[str, Any]) -> dict[str, Any]:
         else:
             look = _listed(connector, wanted)
 
+        full = _resolved(connector, wanted)
+
         def is_there() -> bool:
             now = look()
-            return all(name in now[how][mode] for mode, names in wanted.items() for name, how, _ in names)
+            return all(full[mode][name] in now[how][mode] for mode, names in wanted.items() for name, how, _ in names)
 
         _awaited(is_there, float(given["within_s"]))
-        return {"graph": look(), "hindrances": _hindrances(connector, given["wanted"])}
+        return {"graph": look(), "full": full, "hindrances": _hindrances(connector, given["wanted"])}
     finally:
         connector.stop()
 
@@ -165,6 +167,16 @@ def _listed(connector: Connector, wanted: Wanted) -> Callable[[], Graph]:
         return {"listed": listed, "offered": offered}
 
     return look
+
+
+def _resolved(connector: Connector, wanted: Wanted) -> dict[ConnectorMode, dict[str, str]]:
+    """Mode → the profile's name → the name in full, by which it is listed."""
+    from rai_missions.connectors.connector import ResolvesNames
+
+    def full(mode: ConnectorMode, name: str) -> str:
+        return connector.resolved(mode, name) if isinstance(connector, ResolvesNames) else name
+
+    return {mode: {name: full(mode, name) for name, _, _ in names} for mode, names in wanted.items()}
 
 
 def _hindrances(connector: Connector, wanted: Wanted) -> list[Any]:

@@ -50,8 +50,10 @@ def reach(
         yield MachineFinding("missing", f"the robot '{robot.name}' cannot be reached over {kind}", found.fault)
         return
     there: dict[str, dict[str, dict[str, str]]] = found.value["graph"]
+    full: dict[str, dict[str, str]] = found.value["full"]
+    by_endpoint = {each: full.get(each.mode, {}).get(each.name, each.name) for each in names}
     visible = [each for each in names if "listed" in there or (each.mode == "topics" and not each.is_listener)]
-    if visible and not any(each.name in there[each.how].get(each.mode, ()) for each in visible):
+    if visible and not any(by_endpoint[each] in there[each.how].get(each.mode, ()) for each in visible):
         same = _reach(robot, given) if kind == "ros2" else "what the connector names"
         remedy = f"start the robot or its simulation, and compare {same} of both"
         yield MachineFinding("missing", f"nothing of the robot '{robot.name}' is there over {kind}", remedy)
@@ -63,7 +65,7 @@ def reach(
         yield MachineFinding("missing" if one.is_fatal else "warns", what, one.remedy)
     for each in names:
         if each in visible:
-            finding = _looked_for(each, there[each.how].get(each.mode, {}))
+            finding = _looked_for(each, by_endpoint[each], there[each.how].get(each.mode, {}))
             if finding.status != "ok" or each.name not in {one.name for one in wrong}:
                 yield finding
         else:
@@ -120,15 +122,22 @@ def _fields(robot: Robot, given: Mapping[str, str]) -> Iterator[MachineFinding]:
         yield MachineFinding("missing", fault.place.lstrip("/"), fault.sentence)
 
 
-def _looked_for(each: Endpoint, there: Mapping[str, str]) -> MachineFinding:
-    what = each.what
-    if each.name not in there:
+def _looked_for(each: Endpoint, name: str, there: Mapping[str, str]) -> MachineFinding:
+    """What is there of an endpoint.
+
+    Args:
+        each: The endpoint.
+        name: Its name in full.
+        there: Full name → type.
+    """
+    what = each.what if name == each.name else f"{each.what} ({name})"
+    if name not in there:
         if each.is_listener:
             return MachineFinding("absent", f"{what} has no listener")
         if each.may_be_silent:
             return MachineFinding("absent", f"{what} is not published now")
-        return MachineFinding("missing", f"{what} is not there", f"start what offers it{suggestion(each.name, there)}")
-    types = there[each.name]
+        return MachineFinding("missing", f"{what} is not there", f"start what offers it{suggestion(name, there)}")
+    types = there[name]
     if each.type and types and each.type not in types.split(", "):
         return MachineFinding(
             "missing", f"{what} is there as {types}", f"the profile has {each.type}; correct one of them"

@@ -117,6 +117,17 @@ class Ros2Connector:
         session = self._session
         return {} if session is None else session.runtime.ask(lambda: _offered(session.runtime.node, mode), {})
 
+    def resolved(self, mode: ConnectorMode, name: str) -> str:
+        """The name in full: in the node's namespace and remapped by `--ros-args`.
+
+        Raises:
+            ConnectorError: As `listed`.
+        """
+        session = self._session
+        return (
+            name if session is None else session.runtime.ask(lambda: _resolved(session.runtime.node, mode, name), name)
+        )
+
     def hindrances(self, wanted: Iterable[tuple[ConnectorMode, str, bool]]) -> Sequence[Hindrance]:
         session, asked = self._session, tuple(wanted)
         nothing: tuple[Hindrance, ...] = ()
@@ -276,6 +287,14 @@ def _offered(node: Node, mode: ConnectorMode) -> Mapping[str, int]:
     }
     counted = {name: counts[mode](name) for name in _listed(node, mode)}
     return {name: number for name, number in counted.items() if number}
+
+
+def _resolved(node: Node, mode: ConnectorMode, name: str) -> str:
+    """The full name of a profile's name. On the node's thread only."""
+    try:
+        return str(node.resolve_topic_name(name) if mode == "topics" else node.resolve_service_name(name))
+    except (ValueError, RuntimeError):  # it is no name; its first use states why
+        return name
 
 
 def _parameters(node: Node) -> Mapping[str, Any]:

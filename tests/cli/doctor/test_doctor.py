@@ -146,11 +146,15 @@ def test_a_robot_that_is_there_is_found_and_what_it_lacks_is_named(environment: 
     import sys
 
     profile = robot(
+        connector={"kind": "ros2", "namespace": "/beacon", "arguments": ["-r", "dimmer:=/beacon/light"]},
         services={
             "flash": {"service": "/beacon/flash"},
             "light": {"service": "/beacon/light"},
             "horn": {"service": "/beacon/flahs"},
             "awaited": {"service": "/beacon/awaited"},
+            "spark": {"service": "flash"},
+            "dim": {"service": "dimmer", "type": "std_srvs/srv/SetBool"},
+            "sirens": {"service": "flahs"},
         },
         blackboard={"hoped_for": {"topic": "/beacon/hoped_for", "type": "std_msgs/msg/Bool"}},
         topics={"speech": {"topic": "/beacon/speech", "type": "std_msgs/msg/String"}},
@@ -166,6 +170,10 @@ def test_a_robot_that_is_there_is_found_and_what_it_lacks_is_named(environment: 
         server.stdin.close()
     assert found[there].status == "ok"
     lacking = found["services/horn: service /beacon/flahs is not there"]
+    assert lacking.status == "missing" and "did you mean '/beacon/flash'?" in lacking.remedy
+    for each in ("services/spark: service flash (/beacon/flash)", "services/dim: service dimmer (/beacon/light)"):
+        assert found[each].status == "ok", "a relative name, and one that is remapped"
+    lacking = found["services/sirens: service flahs (/beacon/flahs) is not there"]
     assert lacking.status == "missing" and "did you mean '/beacon/flash'?" in lacking.remedy
     awaited = "services/awaited: service /beacon/awaited", "blackboard/hoped_for: topic /beacon/hoped_for"
     for each in awaited:  # a mission that waits for its robot is no robot

@@ -88,3 +88,32 @@ def test_a_clock_that_is_missing_and_one_that_is_not_followed_are_named(open_ros
     (unused,) = found(open_ros(), 1)
     assert not unused.is_fatal and '"sim_time": true' in unused.remedy
     assert not found(open_ros(sim_time=True), 0)
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments", "full"),
+    [
+        ("horn", [], "/robots/left/horn"),
+        ("~/horn", [], "/robots/left/ours/horn"),
+        ("/horn", [], "/horn"),
+        ("horn", ["-r", "horn:=/loud/horn"], "/loud/horn"),
+        ("horn", ["-r", "__ns:=/right"], "/right/horn"),
+        ("no name", [], "no name"),
+        ("{none}/horn", [], "{none}/horn"),
+    ],
+)
+def test_a_name_in_full_is_the_one_by_which_others_list_it(
+    open_ros: Open, name: str, arguments: list[str], full: str
+) -> None:
+    ours = open_ros(node="ours", namespace="/robots/left", arguments=arguments)
+    modes: tuple[ConnectorMode, ...] = ("topics", "services", "actions")
+    assert [ours.resolved(mode, name) for mode in modes] == [full] * 3
+    if full.startswith("/"):
+        ours.serve(name, TRIGGER, lambda _: {"success": True})
+        assert full in ours.listed("services")
+
+
+def test_a_connector_that_is_not_started_leaves_a_name_as_it_is(ros: None) -> None:
+    from rai_missions.connectors.ros2 import open_connector
+
+    assert open_connector({"namespace": "/robots"}).resolved("services", "horn") == "horn"
