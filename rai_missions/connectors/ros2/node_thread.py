@@ -31,7 +31,7 @@ from rai_missions.connectors.ros2.fastdds import carried
 from rai_missions.connectors.ros2.notifications import open_notifications
 from rai_missions.connectors.worker import Work
 from rai_missions.errors import ConnectorError, UsageError
-from rai_missions.redaction import logger
+from rai_missions.redaction import logger, shown
 
 __all__ = ("Runtime", "guarded")
 
@@ -41,6 +41,7 @@ T = TypeVar("T")
 LOOK_S = 0.02
 """How often someone who is awaited is looked for."""
 IDLE_S = 1.0
+USE_SIM_TIME = "use_sim_time"
 ANSWER_S = 5.0
 """How long someone on another thread waits for what only this thread can state."""
 
@@ -258,12 +259,12 @@ def guarded(work: Callable[[], Any]) -> None:
 def _open_node(context: Context, options: Options) -> Node:
     parameters = [Parameter(name, value=value) for name, value in options.parameters.items()]
     if options.sim_time:
-        parameters.append(Parameter("use_sim_time", value=True))
+        parameters.append(Parameter(USE_SIM_TIME, value=True))
     name = options.node or f"rai_missions_{uuid.uuid4().hex[:8]}"
     arguments = ["--ros-args", *options.arguments] if options.arguments else []
     try:
         rclpy.init(args=arguments, context=context, domain_id=options.domain_id)
-        return Node(
+        node = Node(
             name,
             context=context,
             namespace=options.namespace or None,
@@ -276,3 +277,12 @@ def _open_node(context: Context, options: Options) -> Node:
     except RuntimeError as fault:
         context.try_shutdown()
         raise UsageError(f"connector: ROS does not start with {list(options.arguments)!r}: {fault}") from fault
+    given = node.get_parameter(USE_SIM_TIME).value
+    if given is not options.sim_time:  # only --ros-args give another: the profile's were checked as they were read
+        node.destroy_node()
+        context.try_shutdown()
+        remedy = 'add "sim_time": true to its connector for the time of /clock, or omit the parameter'
+        raise UsageError(
+            f"parameter '{USE_SIM_TIME}': {shown(given)} is given, and the run's timers follow the profile; {remedy}"
+        )
+    return node

@@ -82,6 +82,21 @@ def test_what_ros_does_not_take_is_refused_at_the_start(options: dict[str, Any])
     connector.stop()
 
 
+@pytest.mark.usefixtures("alone")
+@pytest.mark.parametrize("is_simulated", [False, True])
+@pytest.mark.parametrize("given", ["true", "false", "3", "'true'", "[true]"])
+def test_the_time_of_a_launch_file_is_that_of_the_profile_or_refused(given: str, is_simulated: bool) -> None:
+    connector = open_connector({"sim_time": is_simulated, "arguments": ["-p", f"use_sim_time:={given}"]})
+    if is_simulated or given == "false":  # what the profile gives comes before the command line
+        connector.start()
+        assert connector._session.runtime.node.get_parameter("use_sim_time").value is is_simulated
+    else:
+        with pytest.raises(UsageError, match=r"^parameter 'use_sim_time': .* add \"sim_time\": true to its connector"):
+            connector.start()
+        assert not connector.running
+    connector.stop()
+
+
 def test_the_profile_names_the_node_and_renames_topics(open_ros: Open) -> None:
     received = Inbox[Message]()
     other = open_ros(node="ears", namespace="/robot", arguments=["-r", "/a:=/b"], parameters={"speed": 1.5})
