@@ -46,6 +46,11 @@ class RecordingSpace(Space):
         self.seen.add(seen(self.environment.chart))
 
 
+def true_or_not(space: Space) -> dict[str, set[bool]]:
+    """Of each guard whose answers are noted, whether it was true, and whether it was not."""
+    return {place: {each is True for each in values} for place, values in space.environment.instruments.seen.items()}
+
+
 class WholeSpace(RecordingSpace):
     """It ends with the first state for which there is no room: what is not whole is held against nothing."""
 

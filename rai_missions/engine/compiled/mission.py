@@ -152,9 +152,8 @@ class CompiledMission:
         self.named |= site.named
         for name in site.clocked:
             (self.nodes[name] if name else self.root).clocked = True
-        return CompiledGuard(
-            place, guard, test, frozenset(site.reads), site.watched, tuple(site.instants), dict(site.held_guards)
-        )
+        reads, instants = frozenset(site.reads), tuple(site.instants)
+        return CompiledGuard(place, guard, test, reads, site.watched, instants, dict(site.held_guards), counts)
 
     def configuration(self, atomic: Iterable[CompiledState]) -> Configuration:
         """The one `Configuration` of these innermost states."""

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from rai_missions.guards.guard import Guard
-from rai_missions.guards.view import Instant, Site, Test
+from rai_missions.guards.view import Instant, Site, Test, Truth
 from rai_missions.keys import Key
 from rai_missions.states.compound import Each, Parallel
 from rai_missions.states.final import Final
@@ -83,6 +83,8 @@ class CompiledGuard(NamedTuple):
     """What it is woken by, time excepted (`Site.watched`)."""
     instants: tuple[Instant, ...]
     held_guards: Mapping[str, Test]
+    counts: Truth
+    """Which of its values counts at its place; None where each does."""
 
 
 class CompiledState:

@@ -2,7 +2,7 @@
 """Readings of which a rule finds out no more than it asks: what is left of one is a set, until another rule asks.
 
 Rule: a guard, or a part of one, that is true or not by one reading alone is asked for its truth. Each truth that a
-value of the reading gives is an alternative, and leaves the values that give it; unknown is apart from all values.
+value of the reading gives is an alternative, and leaves the values that give it, unknown among them.
 
 Why this loses no way of a step, and adds none. What a step does depends on a reading through the answers alone, so it
 is the same for all values that are left. Each of them could have been chosen at the first look. A look at the
@@ -83,9 +83,9 @@ class AskedReadings:
             values = self._world.distinct(key)
         board.looked.add(key)
         found = self._truths(board, key, test, view, values)
-        left: dict[tuple[bool, Truth], list[Any]] = {}
+        left: dict[Truth, list[Any]] = {}
         for value in values:
-            left.setdefault((value is None, as_counted(found[value], counts)), []).append(value)
+            left.setdefault(as_counted(found[value], counts), []).append(value)
         chosen = left[self._world.choices.pick([*left])]
         board.leave(key, chosen)
         return found[chosen[0]]

@@ -128,16 +128,28 @@ class OpenWorld:
 
         Either of two such values leads to the same steps as long as it lasts, and any other can follow on both.
         """
+        keys = self._chart.mission.blackboard
+        scalars = {key: self.values.of(key) for key in self.fleeting if keys[key].type in SCALARS}
+        return self._alike(scalars, lambda key, value: {key: Stamped(value, NOW)})
+
+    def _alike(
+        self, values: Mapping[str, Sequence[Any]], board: Callable[[str, Any], dict[str, Any]]
+    ) -> dict[str, tuple[Any, ...]]:
+        """The values of each path, of those that are alike to all that is asked of it the first alone.
+
+        Args:
+            values: Path → all values; None is unknown.
+            board: A blackboard on which a path has a value.
+        """
         mission, state, facts = self._chart.mission, self._chart.state, self._chart.program.robot_facts
-        scalars = [key for key in self.fleeting if mission.blackboard[key].type in SCALARS]
         found = {}
-        for key, asked in questions((mission, facts.succeeded, facts.failed), scalars).items():
+        for path, asked in questions((mission, facts.succeeded, facts.failed), values).items():
             tests = [(each.compile(Site("", mission.blackboard)), counts) for each, counts in asked]
             first = dict[Any, Any]()
-            for value in self.values.of(key):
-                state.board = {} if value is None else {key: Stamped(value, NOW)}
+            for value in values[path]:
+                state.board = {} if value is None else board(path, value)
                 first.setdefault(tuple([as_counted(test(state), counts) for test, counts in tests]), value)
-            found[key] = tuple(first.values())
+            found[path] = tuple(first.values())
         state.board = self.board
         return found
 
@@ -160,13 +172,25 @@ class OpenWorld:
         lists = {} if self.is_open or self.own_fade else open_lists(mission, values.learned)
         shapes = {
             state.item: OpenFields(
-                values.learned.within(state.item), partial(values.part, state.item), self.choices.pick
+                values.learned.within(state.item), self._alike_fields(state.item).__getitem__, self.choices.pick
             )
             for state in lists.values()
         }
         self._item_shapes = {state.each: shapes[state.item] for state in lists.values()}
         self.board.share(shapes)
         return OpenItems(shapes, lists, self.board)
+
+    def _alike_fields(self, item: str) -> dict[str, tuple[Any, ...]]:
+        """The values of the fields of a list's items, of those that are alike to all that is asked the first alone."""
+        declared = self._chart.mission.blackboard[item].fields or {}
+        every = {field: self.values.part(item, field) for field in self.values.learned.within(item)}
+        scalars = {f"{item}.{field}": values for field, values in every.items() if declared.get(field) in SCALARS}
+
+        def board(path: str, value: Any) -> dict[str, Any]:
+            return {item: Stamped({path.partition(".")[2]: value}, NOW)}
+
+        alike = {path.partition(".")[2]: values for path, values in self._alike(scalars, board).items()}
+        return {**every, **alike}
 
     def _shape(self, key: str) -> OpenFields | None:
         if self.values.is_sight(key):

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a mission asks of a key: the parts of its guards that read this key alone, each as a whole.
+"""What a mission asks of a key, or of a field: the parts of its guards that read it alone, each as a whole.
 
-Rule: two values are alike where every such part makes the same of both, and nothing but these reads the key.
+Rule: two values are alike where every such part makes the same of both, and nothing but these reads it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from typing import Any
 
 from rai_missions.guards import All, Any_
@@ -27,33 +27,45 @@ TRUE_OR_NOT = Transition, Option, CheckLeaf, EternalGuard
 """The kinds of whose guards it only counts whether they are true; of the invariants, whether they are false."""
 
 
-def questions(value: Any, keys: Iterable[str]) -> dict[str, list[tuple[Guard, Truth]]]:
-    """What is asked of some keys; those that are compared with others, or that something else reads, are left out.
+def questions(value: Any, paths: Iterable[str]) -> dict[str, list[tuple[Guard, Truth]]]:
+    """What is asked of some paths; those that are compared with others, or that something else reads, are left out.
 
     Args:
         value: A mission, and what else has guards.
-        keys: They are scalars.
+        paths: Keys and fields of objects, each a scalar.
 
     Returns:
-        Key → each part, and which of its values counts; None where each does.
+        Path → each part, and which of its values counts; None where each does.
     """
     read_otherwise = frozenset[str]().union(*map(_read, _others(value)))
-    reading: dict[str, list[tuple[Guard, Truth]]] = {key: [] for key in keys if key not in read_otherwise}
+    reading: dict[str, list[tuple[Guard, Truth]]] = {path: [] for path in paths if not _is_read(path, read_otherwise)}
     for guard, counts in _outermost(value):
-        for key in _about(guard) & reading.keys():
-            reading[key] += _asked(guard, key, counts)
-    return {key: found for key, found in reading.items() if all(_is_alone(guard, key) for guard, _ in found)}
+        names = _about(guard)
+        for path in reading:
+            if _is_read(path, names):
+                reading[path] += _asked(guard, path, counts)
+    return {path: found for path, found in reading.items() if all(_is_alone(guard, path) for guard, _ in found)}
 
 
-def parts_about(guard: Guard, key: str, steady: frozenset[str]) -> list[Guard] | None:
-    """The parts of a guard that read one key, and otherwise only such as are steady; None where another part does."""
-    found = [part for part, _ in _asked(guard, key, None, steady)]
-    return found if all(_is_alone(part, key, steady) for part in found) else None
+def parts_about(guard: Guard, key: str, counts: Truth, steady: frozenset[str]) -> list[tuple[Guard, Truth]] | None:
+    """The parts of a guard that read one key, and otherwise only such as are steady; None where another part does.
+
+    Args:
+        guard: Of it one value counts, or each.
+        key: The key.
+        counts: Which value that is.
+        steady: The keys that the parts may read as well.
+
+    Returns:
+        Each part, and which of its values counts.
+    """
+    found = [*_asked(guard, key, counts, steady)]
+    return found if all(_is_alone(part, key, steady) for part, _ in found) else None
 
 
 def only_key(guard: Guard) -> str:
     """The key by whose value alone a guard is true or not; empty where there is no such."""
-    keys = _about(guard)
+    keys = {name.partition(".")[0] for name in _about(guard)}
     (key,) = keys if len(keys) == 1 else ("",)
     return key if key and _is_alone(guard, key) else ""
 
@@ -75,14 +87,14 @@ def _asked(guard: Guard, key: str, counts: Truth, steady: frozenset[str] = NONE)
         yield guard, counts
         return
     for each in _together(guard, key, steady):
-        if key in _about(each):
+        if _is_read(key, _about(each)):
             yield from _asked(each, key, guard.counts_inside(counts), steady)
 
 
 def _together(guard: Guard, key: str, steady: frozenset[str]) -> Iterator[Guard]:
     """What a guard is made of; of an `all` or `any` those that read a key alone are one."""
     inner = list(guard.inner())
-    alone = [each for each in inner if key in _about(each) and _is_alone(each, key, steady)]
+    alone = [each for each in inner if _is_read(key, _about(each)) and _is_alone(each, key, steady)]
     if len(alone) > 1 and isinstance(guard, All | Any_):
         yield made(guard.word, **{guard.word: alone})
         inner = [each for each in inner if each not in alone]
@@ -90,7 +102,7 @@ def _together(guard: Guard, key: str, steady: frozenset[str]) -> Iterator[Guard]
 
 
 def _about(guard: Guard) -> frozenset[str]:
-    """The keys that a guard reads."""
+    """The paths that a guard reads."""
     return frozenset[str]().union(*map(_read, guard.walk()))
 
 
@@ -100,8 +112,20 @@ def _others(value: Any) -> Iterator[MissionModel]:
 
 
 def _read(part: MissionModel) -> frozenset[str]:
-    """The keys that a written thing reads itself."""
-    return frozenset(name.partition(".")[0] for refers, name, _ in part.references() if refers.sort in ("path", "key"))
+    """The paths that a written thing reads itself.
+
+    Not what a question shows, as every answer is tried in any case; nor the key that a list writes its items to.
+    """
+    return frozenset(
+        name
+        for refers, name, place in part.references()
+        if refers.sort in ("path", "key") and not place.startswith(("/evidence/", "/as"))
+    )
+
+
+def _is_read(path: str, names: Collection[str]) -> bool:
+    """Whether one of these names is a path, leads into what it has, or has it inside."""
+    return any(name == path or name.startswith(f"{path}.") or path.startswith(f"{name}.") for name in names)
 
 
 def _is_alone(guard: Guard, key: str, steady: frozenset[str] = NONE) -> bool:
@@ -111,6 +135,6 @@ def _is_alone(guard: Guard, key: str, steady: frozenset[str] = NONE) -> bool:
         and each.age_s is None
         and not each.states()
         and not each.predicates()
-        and all((root := path.partition(".")[0]) == key or root in steady for path in each.paths())
+        and all(f"{path}.".startswith(f"{key}.") or path.partition(".")[0] in steady for path in each.paths())
         for each in guard.walk()
     )

@@ -287,7 +287,7 @@ class Environment:
         def happen() -> None:
             made = value.fresh() if isinstance(value, OpenFields) else value
             if alike := self.world.board.among.get(key):  # that it changes is all that a step finds out of these
-                self.world.board.put(key, Stamped(alike[0], NOW))
+                self.world.board.put(key, None if alike[0] is None else Stamped(alike[0], NOW))
             self.inputs.handle(Event(key, NOW, {"value": made}, "write"))
 
         return happen

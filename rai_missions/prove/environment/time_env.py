@@ -109,8 +109,11 @@ class TimeEnvironment:
 
     @property
     def is_silent(self) -> bool:
-        """Nothing is known that the robot must report again and again: it has been silent for long."""
-        return all(self._world.board.known(key) in (None, MISSING) for key in self._world.passing)
+        """Nothing need be known that the robot must report again and again: it may have been silent for long."""
+        board = self._world.board
+        return all(
+            board.known(key) in (None, MISSING) or None in board.among.get(key, ()) for key in self._world.passing
+        )
 
     def kept(self, waiting: Iterable[Stimulus], taken: str) -> frozenset[str]:
         """Which of the things that waited for time wait on after a step, and not from the beginning."""
@@ -172,7 +175,7 @@ class TimeEnvironment:
             self.time_passes(*woken, *(each.owner for each in self._over))
             gone = [key for key in before if board.known(key) is None]
             for key in before.keys() & board.among.keys():
-                board.leave(key, [each for each in board.among[key] if each is not None])
+                board.leave(key, [each for each in board.among[key] if each is not None or None in before[key]])
             if gone and self._state.mode != "ended":
                 self._state.draft.news.update(dict.fromkeys(gone, ""))
                 self.time_passes(*self._readers(gone))
@@ -205,7 +208,7 @@ class TimeEnvironment:
         for key, entry in list(board.entries()):
             if entry is not None and key > beyond and key in self._world.fading:
                 before[key] = entry.value if isinstance(entry.value, AnyOf) else (entry.value,)
-                board.leave(key, (*before[key], None))
+                board.leave(key, before[key] if None in before[key] else (*before[key], None))
         return before
 
     def _readers(self, keys: Iterable[str]) -> list[str]:
