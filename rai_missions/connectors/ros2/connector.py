@@ -32,6 +32,7 @@ from rai_missions.connectors.connector import (
     Report,
 )
 from rai_missions.connectors.ros2.config import read_options
+from rai_missions.connectors.ros2.endpoints import full_action
 from rai_missions.connectors.ros2.inspection import hindrances
 from rai_missions.connectors.ros2.messages import is_picture, to_message, to_message_later
 from rai_missions.connectors.ros2.msg_definitions import definition_of
@@ -292,6 +293,8 @@ def _offered(node: Node, mode: ConnectorMode) -> Mapping[str, int]:
 def _resolved(node: Node, mode: ConnectorMode, name: str) -> str:
     """The full name of a profile's name. On the node's thread only."""
     try:
+        if mode == "actions":
+            return full_action(node, name)
         return str(node.resolve_topic_name(name) if mode == "topics" else node.resolve_service_name(name))
     except (ValueError, RuntimeError):  # it is no name; its first use states why
         return name

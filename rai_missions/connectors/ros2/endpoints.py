@@ -12,13 +12,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from importlib.metadata import version
 from typing import Any
 
 from rclpy.node import Node, NodeNameNonExistentError
 
 __all__ = (
-    "NO_PEERS", "Peers", "are_gone", "are_replaced", "node_of", "servers_of_action", "servers_of_service",
-    "types_of_action", "types_of_service", "why_unserved",
+    "NO_PEERS", "Peers", "are_gone", "are_replaced", "full_action", "node_of", "servers_of_action",
+    "servers_of_service", "types_of_action", "types_of_service", "why_unserved",
 )  # fmt: skip
 
 Peers = Mapping[bytes, str]
@@ -27,13 +28,28 @@ Peers = Mapping[bytes, str]
 Where the middleware has none for a service, the node's name is the identity.
 """
 NO_PEERS: Peers = {}
+FEEDBACK = "/_action/feedback"
+REMAPS_ACTIONS = int(version("rclpy").partition(".")[0]) >= 9
 REQUEST = re.compile(r"^(?P<package>\w+?)(?:::|/)srv(?:::|/)(?:dds_(?:::|/))?(?P<name>\w+)_Request_?$")
 """A request's type as DDS knows it, `std_srvs::srv::dds_::Trigger_Request_`, or as ROS does."""
 
 
+def full_action(node: Node, action: str) -> str:
+    """The full name of an action, as the graph lists it."""
+    return str(node.resolve_topic_name(f"{_own_name(node, action)}{FEEDBACK}")).removesuffix(FEEDBACK)
+
+
+def _own_name(node: Node, action: str) -> str:
+    """The name of which an action's topics and services are made; each of these may be remapped.
+
+    Jazzy remaps no action by its own name. Later distributions do (rcl, pull request 1170).
+    """
+    return str(node.resolve_topic_name(action)) if REMAPS_ACTIONS else action
+
+
 def servers_of_action(node: Node, action: str) -> Callable[[], Peers]:
     """Looks up who serves an action: anyone who publishes its status."""
-    topic = f"{node.resolve_service_name(action)}/_action/status"
+    topic = f"{_own_name(node, action)}/_action/status"
     return lambda: _peers(node.get_publishers_info_by_topic(topic))
 
 
@@ -51,7 +67,7 @@ def types_of_service(node: Node, service: str) -> set[str]:
 
 def types_of_action(node: Node, action: str) -> set[str]:
     """The types by which an action is served now: those of its feedback, which a server alone publishes."""
-    topic = f"{node.resolve_service_name(action)}/_action/feedback"
+    topic = f"{_own_name(node, action)}{FEEDBACK}"
     return {each.topic_type.removesuffix("_FeedbackMessage") for each in node.get_publishers_info_by_topic(topic)}
 
 

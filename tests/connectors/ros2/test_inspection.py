@@ -93,6 +93,7 @@ def test_a_clock_that_is_missing_and_one_that_is_not_followed_are_named(open_ros
 @pytest.mark.parametrize(
     ("name", "arguments", "full"),
     [
+        ("horn", ["-r", "horn/_action/status:=/elsewhere"], "/robots/left/horn"),
         ("horn", [], "/robots/left/horn"),
         ("~/horn", [], "/robots/left/ours/horn"),
         ("/horn", [], "/horn"),
@@ -105,12 +106,24 @@ def test_a_clock_that_is_missing_and_one_that_is_not_followed_are_named(open_ros
 def test_a_name_in_full_is_the_one_by_which_others_list_it(
     open_ros: Open, name: str, arguments: list[str], full: str
 ) -> None:
+    from rai_missions.connectors.ros2.endpoints import servers_of_action
+
     ours = open_ros(node="ours", namespace="/robots/left", arguments=arguments)
-    modes: tuple[ConnectorMode, ...] = ("topics", "services", "actions")
-    assert [ours.resolved(mode, name) for mode in modes] == [full] * 3
-    if full.startswith("/"):
-        ours.serve(name, TRIGGER, lambda _: {"success": True})
-        assert full in ours.listed("services")
+    assert ours.resolved("topics", name) == ours.resolved("services", name) == full
+    if not full.startswith("/"):
+        assert ours.resolved("actions", name) == full
+        return
+    close = ours.serve(name, TRIGGER, lambda _: {"success": True})
+    assert full in ours.listed("services")
+    close()
+    ours.offer(name, FIBONACCI, PatientServer())
+    assert [ours.resolved("actions", name)] == [*ours.listed("actions")], "Jazzy remaps no action by its own name"
+    runtime = ours._session.runtime
+    servers = servers_of_action(runtime.node, name)
+    until, tick = time.monotonic() + 30.0, threading.Event()
+    while not runtime.ask(lambda: dict(servers()), {}):
+        assert time.monotonic() < until, "its server is not found"
+        tick.wait(0.02)
 
 
 def test_a_connector_that_is_not_started_leaves_a_name_as_it_is(ros: None) -> None:
