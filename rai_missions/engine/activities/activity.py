@@ -169,10 +169,12 @@ class Bench(NamedTuple):
     keys: Mapping[str, Key]
     robot: RobotFacts
     trees: Trees
+    made_at: Callable[[str, Mapping[str, Key], str], Site] = Site
+    """Makes the place of a guard."""
 
     def site(self, word: str = "") -> Site:
         """Where a guard below the machine's place is compiled."""
-        return Site(f"{self.place}/{word}" if word else self.place, self.keys, self.state)
+        return self.made_at(f"{self.place}/{word}" if word else self.place, self.keys, self.state)
 
 
 def watches(machine: Any, state: Any, names: Collection[str]) -> bool:

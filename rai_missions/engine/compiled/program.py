@@ -80,7 +80,8 @@ class Program:
         """The machine of a state's activity; None for a state that runs nothing."""
         if node.name not in self.machines:
             assert node.state is not None
-            bench = Bench(node.name, node.name, node.place, self.keys, self.robot_facts, self.ticker)
+            made_at = self.surroundings.site
+            bench = Bench(node.name, node.name, node.place, self.keys, self.robot_facts, self.ticker, made_at)
             made = machine_of(node.state, bench)
             self.machines[node.name] = self.surroundings.machine(node, made) if made is not None else None
         return self.machines[node.name]

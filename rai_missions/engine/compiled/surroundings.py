@@ -36,7 +36,7 @@ class Surroundings:
         raise LookupError("who has control is open only in a proof")
 
     def site(self, place: str, keys: Mapping[str, Key], state: str) -> Site:
-        """Where a guard of a transition, a final or an invariant is compiled."""
+        """Where a guard is compiled: of a transition, a final, an invariant, or of an activity."""
         return Site(place, keys, state)
 
     def machine(self, node: CompiledState, machine: Machine) -> Machine:
